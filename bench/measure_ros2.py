@@ -27,7 +27,7 @@ ABOUT = (
     "rclcpp's default) has decoded the message. Processor time is that of the whole node, which "
     "publishes all of its topics to one subscriber each."
 )
-SOURCES = {"odom": 5, "cmd_vel_applied": 6, "joy": 2}
+SOURCES = {"odom": 5, "cmd_vel_applied": 6, "pad/joy": 2}
 """Topic -> the service whose statuses it is made from."""
 
 

@@ -63,9 +63,14 @@ class Node(Program):
     """``roburoc4 ros2`` as a process."""
 
     def __init__(
-        self, folder: Path, domain: int, *options: str, through: tuple[str, ...] = ()
+        self,
+        folder: Path,
+        domain: int,
+        *options: str,
+        through: tuple[str, ...] = (),
+        **settings: str,
     ) -> None:
-        environment = {"ROS_DOMAIN_ID": str(domain)}
+        environment = {"ROS_DOMAIN_ID": str(domain), **settings}
         super().__init__(
             folder / "bridge.log", *through, command(), "ros2", *options, environment=environment
         )

@@ -4,17 +4,19 @@
 import signal
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
 
 import pytest
 from processes import until
-from ros import STORE, Endpoint, Listener, Node, ros_type
+from ros import STORE, TWIST_STAMPED, Endpoint, Listener, Node, Publisher, ros_type
 
 StartNode = Callable[..., Node]
 
 GRAPH = "ros_discovery_info"
 GRAPH_HASH = "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e"
 """As zenoh-plugin-ros2dds has it (ros_discovery.rs); rosbags hashes bounded strings otherwise."""
-LATCHED = {GRAPH, *(f"rt/{name}" for name in ("tf_static", "robot_description"))}
+LATCHED = {GRAPH, *(f"rt/{name}" for name in ("tf_static", "robot_description", "rosout"))}
 """What nodes that come late need; subscribers of ROS ask for it (tf2_ros/qos.hpp, RViz)."""
 STATES = {f"rt/{name}" for name in ("bumpers/front", "bumpers/rear", "inhibited")}
 
@@ -136,3 +138,53 @@ def test_a_signal_leaves_no_entity_behind(
     whole_graph(listener)
     node.signal(number)
     until(lambda: not listener.of_node() and not listener.participants, "nothing is left", 5.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "kind", "remedy"),
+    [
+        (["--enable-drive"], "geometry_msgs/msg/Twist", "start this node with --twist"),
+        ([], "geometry_msgs/msg/Twist", "start this node with --enable-drive --twist"),
+        ([], TWIST_STAMPED, "start this node with --enable-drive"),
+        (["--enable-drive", "--twist"], TWIST_STAMPED, "start this node without --twist"),
+    ],
+)
+def test_a_publisher_of_cmd_vel_without_effect_is_told_which_option_takes_it(
+    start_node: StartNode,
+    listener: Listener,
+    tmp_path: Path,
+    domain: int,
+    ends: ExitStack,
+    options: list[str],
+    kind: str,
+    remedy: str,
+) -> None:
+    node = start_node(*options)
+    publisher = Publisher(tmp_path / "publish.log", domain, "rt/cmd_vel", kind)
+    ends.callback(publisher.end)
+    told = f"publishes {kind} on /cmd_vel, which does not drive the robot: {remedy}"
+    node.says(told, 20)
+    until(
+        lambda: [one for one in listener.samples("rt/rosout") if told in one.message.msg],
+        "it is in /rosout",
+    )
+    found = listener.hears_that("rt/diagnostics", lambda array: told in str(array))
+    (status,) = [each for each in found.status if each.name.endswith("other nodes")]
+    assert status.level == 1
+    assert told in status.message
+
+
+def test_a_stop_of_another_type_is_told(
+    start_node: StartNode, tmp_path: Path, domain: int, ends: ExitStack
+) -> None:
+    node = start_node()
+    publisher = Publisher(tmp_path / "publish.log", domain, "rt/stop", "std_msgs/msg/Bool")
+    ends.callback(publisher.end)
+    node.says("which stops nothing: publish std_msgs/msg/Empty", 20)
+
+
+def test_two_nodes_for_one_robot_notice_each_other(start_node: StartNode) -> None:
+    first, second = start_node(), start_node("--namespace", "/other")
+    first.says("/other/roburoc4 is another node for the robot at 127.0.0.1", 20)
+    second.says("/roburoc4 is another node for the robot at 127.0.0.1", 20)
+    assert "publishes /odom, too" not in first.output

@@ -27,7 +27,7 @@ def test_every_topic_reaches_fast_dds(
     listener = listen(*options)
     start_node("--enable-drive")
     published = [each["topic"] for each in listed if each["direction"] == "published"]
-    assert len(published) >= 13
+    assert len(published) >= 14
     for topic in published:
         sample = listener.hears(f"rt{topic}")
         assert sample.cdr[:2] == b"\x00\x01", "plain CDR, little-endian"
@@ -71,9 +71,26 @@ def test_odometry_is_the_robots_own(
     assert (transform.header.frame_id, transform.child_frame_id) == ("odom", "base_link")
 
 
+def test_odom_stays_when_the_robots_pose_is_set_and_map_moves(
+    robot: Robot, start_node: StartNode, listener: Listener
+) -> None:
+    node = start_node("--map-frame", "map")
+    before = listener.hears("rt/odom").message.pose.pose.position
+    robot.tell("odometry x_m 5")
+    node.says("relocalized to 5.00 m")
+    tf = listener.hears_that("rt/tf", lambda m: m.transforms[0].transform.translation.x > 4)
+    assert [each.header.frame_id for each in tf.transforms] == ["map", "odom"]
+    for sample in listener.samples("rt/odom"):
+        place = sample.message.pose.pose.position
+        assert math.hypot(place.x - before.x, place.y - before.y) < 0.01
+    events = [each.message for each in listener.samples("rt/diagnostics")]
+    (event,) = [each for each in events if "relocalized" in each.status[0].message]
+    assert abs(event.header.stamp.sec - tf.transforms[0].header.stamp.sec) <= 60
+
+
 def test_stamps_are_utc(start_node: StartNode, listener: Listener) -> None:
     start_node()
-    for topic in ("odom", "joy", "range/front", "battery_state", "cmd_vel_applied"):
+    for topic in ("odom", "pad/joy", "range/front", "battery_state", "cmd_vel_applied"):
         sample = listener.hears(f"rt/{topic}")
         age_us = sample.time_us - stamp_us(sample.message)
         assert -50_000 < age_us < 1_000_000, f"{topic}: {age_us} us"
@@ -88,7 +105,7 @@ def test_battery_game_pad_and_range_are_those_set(
     battery = listener.hears_that("rt/battery_state", lambda m: abs(m.percentage - 0.42) < 0.02)
     assert 20 < battery.voltage < 30
     assert battery.present
-    listener.hears_that("rt/joy", lambda m: any(abs(axis - 0.5) < 0.01 for axis in m.axes))
+    listener.hears_that("rt/pad/joy", lambda m: any(abs(axis - 0.5) < 0.01 for axis in m.axes))
     front = listener.hears("rt/range/front").message
     assert front.radiation_type == 0, "ultrasound"
     assert 0 < front.min_range < front.max_range

@@ -34,7 +34,6 @@ from roburoc4.ros2.announcement import (
 from roburoc4.ros2.participant import Participant, Publisher, Raw
 from roburoc4.ros2.topics import PUBLISHED, Profile, Topic
 from roburoc4.ros2.types import struct_of
-from roburoc4.ros_topics import Messages
 
 MANY = Profile(100)
 STORE = get_typestore(Stores.ROS2_JAZZY)
@@ -194,7 +193,7 @@ def test_what_was_sent_is_what_rosbags_reads(
     assert found["battery_state"].percentage == pytest.approx(
         served.state.battery_percent / 100, abs=0.02
     )
-    assert len(found["joy"].axes) == 6
+    assert len(found["pad/joy"].axes) == 6
     assert not found["inhibited"].data
     assert not found["bumpers/front"].data
     twist = found["cmd_vel_applied"].twist
@@ -233,20 +232,6 @@ def test_the_description_is_a_urdf_of_all_frames(
     assert robot.get_root() == "r4/base_link"
     assert robot.joint_map["r4/base_link_to_r4/range_front"].origin.xyz[0] == pytest.approx(0.655)
     assert len(robot.link_map["r4/base_link"].visuals) == 5
-
-
-def test_covariances_grow_with_the_way_and_never_shrink() -> None:
-    frames = Messages(None, "")
-    sizes = []
-    for step in range(50):
-        status = roburoc4.LocalizationStatus(step, 0.1 * step, 0.0, 0.02 * step, 0, utc_s=1.0)
-        topic, data = next(frames.of(status))
-        assert topic == "odom"
-        covariance = STORE.deserialize_cdr(data, "nav_msgs/msg/Odometry").pose.covariance
-        sizes.append((covariance[0], covariance[35]))
-    assert sizes == sorted(sizes)
-    assert sizes[-1][0] ** 0.5 > 0.05 * 4.9
-    assert sizes[-1][1] ** 0.5 > 0.12 * 0.98
 
 
 # --------------------------------------------------------------------------------- tools and names

@@ -222,3 +222,57 @@ def test_diagnostics_name_who_drives_and_what_was_rejected(topics: Topics) -> No
     assert (found.values["obeyed"], found.values["rejected"]) == ("1", "1")
     topics.step(6.0)
     assert topics.commands.state.diagnosis("red").level == 0
+
+
+def test_a_slope_limits_growing_but_not_slowing_down(
+    roburoc4_simulator: Simulator, robot: Robot
+) -> None:
+    topics = Topics(roburoc4_simulator, robot, max_linear_m_s2=0.5)
+    topics.step(0.8)
+    found = []
+    for _ in range(10):
+        topics.send(topics.stamped(1.0))
+        topics.step(0.05)
+        found.append(topics.speeds[0])
+    assert found == pytest.approx([0.025 * n for n in range(1, 11)], abs=0.002)
+    topics.send(topics.stamped(-1.0))
+    topics.step(0.05)
+    assert topics.speeds[0] == pytest.approx(-0.025, abs=0.002)
+    topics.send(topics.stamped(0.0))
+    topics.step(0.05)
+    assert topics.speeds == (0.0, 0.0)
+
+
+def test_a_publisher_slower_than_the_lease_is_told(topics: Topics) -> None:
+    for _ in range(5):
+        topics.send(topics.stamped(0.3))
+        topics.step(0.5)
+    (note,) = topics.notes
+    assert note.startswith("cmd_vel of /nav/controller comes every 500 ms, but holds for 250 ms")
+    assert topics.commands.state.diagnosis("red").message == note
+
+
+def test_a_refusal_names_its_cause(topics: Topics, robot: Robot) -> None:
+    topics.simulator.panel("pad a down")
+    topics.step(0.3)
+    topics.send(topics.stamped(0.3))
+    assert "release [A]" in topics.notes[-1]
+    topics.simulator.panel("pad a up")
+    topics.step(1.0)
+    topics.simulator.set("estop_local", 1)
+    for _ in range(60):
+        topics.send(topics.stamped(0.3))
+        topics.step(0.05)
+    assert "check emergency stops, brakes selector and bumpers" in topics.notes[-1]
+    assert topics.commands.state.diagnosis("red").level == 1
+
+
+def test_a_stop_that_loses_against_another_commander_says_so(topics: Topics) -> None:
+    with topics.simulator.connect() as other:
+        other.arm()
+        for at in range(60):
+            other.drive(0.3, 0.0)
+            topics.step(0.05)
+            if at == 10:
+                topics.commands.stop(JOY)
+    assert any("another commander" in note and "/teleop" in note for note in topics.notes)

@@ -195,6 +195,7 @@ int main(int argc, char **argv) {
                geometry_msgs::msg::dds_::Twist_PubSubType,
                geometry_msgs::msg::dds_::TwistStamped_PubSubType,
                nav_msgs::msg::dds_::Odometry_PubSubType,
+               rcl_interfaces::msg::dds_::Log_PubSubType,
                rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_PubSubType,
                sensor_msgs::msg::dds_::BatteryState_PubSubType,
                sensor_msgs::msg::dds_::Joy_PubSubType, sensor_msgs::msg::dds_::Range_PubSubType,

@@ -57,6 +57,10 @@ _DEFINITIONS = {
     "diagnostic_msgs/DiagnosticArray": (
         "std_msgs/Header header\ndiagnostic_msgs/DiagnosticStatus[] status"
     ),
+    "rcl_interfaces/Log": (
+        "builtin_interfaces/Time stamp\nuint8 level\nstring name\nstring msg\nstring file\n"
+        "string function\nuint32 line"
+    ),
     "rmw_dds_common/Gid": "uint8[16] data",
     "rmw_dds_common/NodeEntitiesInfo": (
         "string<=256 node_namespace\nstring<=256 node_name\n"

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 from .cdr import Cdr
-from .constants import BatteryState, LocalizationFlag, Role
+from .constants import BatteryState, Role
 from .errors import NotKnownError
 from .recording import Command, RecordedEvent
 from .records import (
@@ -20,6 +20,7 @@ from .records import (
     TelemeterStatus,
 )
 from .robot import Robot
+from .ros_odometry import Frames, Odometry, pose_of, twist_of
 
 Item = Status | Command | RecordedEvent
 Message = tuple[str, bytes]
@@ -32,7 +33,7 @@ TOPICS = {
     "battery_state": "sensor_msgs/BatteryState",
     "range/front": "sensor_msgs/Range",
     "range/rear": "sensor_msgs/Range",
-    "joy": "sensor_msgs/Joy",
+    "pad/joy": "sensor_msgs/Joy",
     "cmd_vel_applied": "geometry_msgs/TwistStamped",
     "cmd_vel_sent": "geometry_msgs/TwistStamped",
     "diagnostics": "diagnostic_msgs/DiagnosticArray",
@@ -50,20 +51,6 @@ _SUPPLY = {
 }
 _LEVELS = {"bad": 2, "weak": 1}
 _ULTRASOUND = 0
-_UNRELIABLE = LocalizationFlag.INVALID | LocalizationFlag.ERROR
-
-
-class Frames(NamedTuple):
-    """The frames that messages name."""
-
-    odom: str = "odom"
-    base: str = "base_link"
-    prefix: str = ""
-    """The prefix of all of them."""
-
-    def named(self, name: str) -> str:
-        """Return the full name of a frame."""
-        return self.prefix + name
 
 
 class Diagnosis(NamedTuple):
@@ -92,77 +79,6 @@ def diagnostics(made_s: float, hardware: str, found: Sequence[Diagnosis]) -> byt
     return bytes(message.data)
 
 
-def _pose(x_m: float, y_m: float, theta_rad: float) -> tuple[float, ...]:
-    """Return place and quaternion."""
-    half = theta_rad / 2 if math.isfinite(theta_rad) else math.nan
-    return x_m, y_m, 0.0, 0.0, 0.0, math.sin(half), math.cos(half)
-
-
-def _twist(linear_m_s: float, angular_rad_s: float) -> tuple[float, ...]:
-    return linear_m_s, 0.0, 0.0, 0.0, 0.0, angular_rad_s
-
-
-# ---------------------------------------------------------------------------------- covariances
-
-_NOT_MEASURED = 1e6
-"""The variance of height, roll and pitch, and of everything that is not known."""
-_DISTANCE_ERROR = 0.05
-_TURN_ERROR = 0.12
-"""The fraction of a turn that was lost to slip on a real robot (moves.md)."""
-_HEADING_ERROR_RAD_M = 0.01
-_LEAST_M, _LEAST_RAD = 0.01, 0.01
-_LEAST_M_S, _LEAST_RAD_S = 0.02, 0.02
-_SIDEWAYS_M = 0.1
-"""Sideways speed for each rad/s of a turn: the wheels skid."""
-
-
-def _covariance(x: float, y: float, yaw: float) -> tuple[float, ...]:
-    """Return a matrix of 6 x 6 of standard deviations, which are independent."""
-    other = _NOT_MEASURED
-    diagonal = (x * x, y * y, other, other, other, yaw * yaw)
-    return tuple(diagonal[at // 7] if at % 7 == 0 else 0.0 for at in range(36))
-
-
-_ALL_UNKNOWN = _covariance(*(math.sqrt(_NOT_MEASURED),) * 3)
-
-
-class _Drift:
-    """Standard deviations of odometry, which grow with the path and never shrink."""
-
-    def __init__(self) -> None:
-        self._last: LocalizationStatus | None = None
-        self._place_m = _LEAST_M
-        self._heading_rad = _LEAST_RAD
-
-    def covariance(self, status: LocalizationStatus) -> tuple[float, ...]:
-        last, self._last = self._last, status
-        if last is not None:
-            self._add(
-                math.hypot(status.x_m - last.x_m, status.y_m - last.y_m),
-                abs(math.remainder(status.theta_rad - last.theta_rad, math.tau)),
-            )
-        if int(status.flags) & _UNRELIABLE:
-            return _ALL_UNKNOWN
-        return _covariance(self._place_m, self._place_m, self._heading_rad)
-
-    def _add(self, way_m: float, turn_rad: float) -> None:
-        if math.isfinite(way_m + turn_rad):
-            self._place_m += way_m * (_DISTANCE_ERROR + min(self._heading_rad, 1.0))
-            heading_rad = _TURN_ERROR * turn_rad + _HEADING_ERROR_RAD_M * way_m
-            self._heading_rad = min(self._heading_rad + heading_rad, math.pi)
-
-
-def _twist_covariance(speeds: DifferentialStatus | None) -> tuple[float, ...]:
-    if speeds is None:
-        return _ALL_UNKNOWN
-    linear, angular = abs(speeds.current_linear_m_s), abs(speeds.current_angular_rad_s)
-    return _covariance(
-        _LEAST_M_S + _DISTANCE_ERROR * linear,
-        _LEAST_M_S + _SIDEWAYS_M * angular,
-        _LEAST_RAD_S + _TURN_ERROR * angular,
-    )
-
-
 # --------------------------------------------------------------------------------------- messages
 
 
@@ -175,6 +91,7 @@ class Messages:
         address: str,
         offset_s: float = 0.0,
         frames: Frames | None = None,
+        report: Callable[[str], object] = lambda text: None,
     ) -> None:
         """Begin; ``offset_s`` is what has to be added to the robot object's clock for Unix time.
 
@@ -183,20 +100,20 @@ class Messages:
         self._robot = robot
         self._address = address
         self._offset_us = round(offset_s * 1e6)
+        self._report = report
         self._frames = frames or Frames()
         self._base = self._frames.named(self._frames.base)
         self._properties = _NO_PROPERTIES
         self._placed = _NO_PROPERTIES.telemeter
         self._read_properties()
-        self._drift = _Drift()
-        self._speeds: DifferentialStatus | None = None
+        self._odometry = Odometry(self._frames)
         self._inputs: IoCardStatus | None = None
         self._pad: tuple[list[int], list[int]] | None = None
         self._makers: dict[type, Callable[[Any], Iterator[Message]]] = {
             IoCardStatus: self._joy,
             TelemeterStatus: self._ranges,
             BatteryStatus: self._battery,
-            LocalizationStatus: self._odometry,
+            LocalizationStatus: self._odometry.add_pose,
             DifferentialStatus: self._applied,
             Command: self._sent,
             RecordedEvent: self._event,
@@ -204,7 +121,16 @@ class Messages:
 
     def of(self, item: Item) -> Iterator[Message]:
         """Make messages of a status, a command or an event."""
-        return self._makers[type(item)](item)
+        yield from self._makers[type(item)](item)
+        while self._odometry.notes:
+            text = self._odometry.notes.pop(0)
+            self._report(text)
+            noted = Diagnosis(_LEVELS["weak"], "roburoc4: odometry", text, {})
+            yield "diagnostics", diagnostics(self._odometry.made_s, self._address, [noted])
+
+    def rest(self) -> Iterator[Message]:
+        """Make what is left at the end."""
+        return self._odometry.rest()
 
     def seen_us(self, item: Item) -> int:
         """When an item was received, in Unix time."""
@@ -214,25 +140,11 @@ class Messages:
         if self._robot is not None:
             self._properties = self._robot.properties
 
-    def _odometry(self, status: LocalizationStatus) -> Iterator[Message]:
-        made_s, frames, speeds = status.utc_s, self._frames, self._speeds
-        pose = _pose(status.x_m, status.y_m, status.theta_rad)
-        twist: Sequence[float] = (0.0,) * 6
-        if speeds is not None:
-            twist = _twist(speeds.current_linear_m_s, speeds.current_angular_rad_s)
-        odom = frames.named(frames.odom)
-        message = Cdr().header(made_s, odom).text(self._base)
-        message.numbers("d", *pose, *self._drift.covariance(status))
-        message.numbers("d", *twist, *_twist_covariance(speeds))
-        yield "odom", bytes(message.data)
-        message = Cdr().numbers("I", 1).transform(made_s, (odom, self._base), pose)
-        yield "tf", bytes(message.data)
-
     def _applied(self, status: DifferentialStatus) -> Iterator[Message]:
-        self._speeds = status
-        twist = _twist(status.target_linear_m_s, status.target_angular_rad_s)
+        twist = twist_of(status.target_linear_m_s, status.target_angular_rad_s)
         message = Cdr().header(status.utc_s, self._base).numbers("d", *twist)
         yield "cmd_vel_applied", bytes(message.data)
+        yield from self._odometry.add_speeds(status)
 
     def _ranges(self, status: TelemeterStatus) -> Iterator[Message]:
         if not self._properties.telemeter:
@@ -246,6 +158,7 @@ class Messages:
             if index < len(known):
                 about = known[index]
                 bounds = (about.field_of_view_rad, about.min_distance_m, about.max_distance_m)
+                metres = _by_rep_117(metres, about.min_distance_m, about.max_distance_m)
             message = Cdr().header(status.utc_s, self._frames.named(f"range_{name}"))
             # the last one is the variance: not known
             message.numbers("B", _ULTRASOUND).numbers("f", *bounds, metres, 0.0)
@@ -256,7 +169,7 @@ class Messages:
         places = list(zip(RANGES, self._placed, strict=False))
         message = Cdr().numbers("I", len(places))
         for name, one in places:
-            pose = _pose(one.x_m, one.y_m, one.theta_rad)
+            pose = pose_of(one.x_m, one.y_m, one.theta_rad)
             message.transform(made_s, (self._base, self._frames.named(f"range_{name}")), pose)
         return bytes(message.data)
 
@@ -289,7 +202,7 @@ class Messages:
         message = Cdr().header(status.utc_s, self._base)
         message.sequence("f", [analog[at] for at in axes if at < len(analog)])
         message.sequence("i", [digital[at] for at in buttons if at < len(digital)])
-        yield "joy", bytes(message.data)
+        yield "pad/joy", bytes(message.data)
 
     def _find_pad(self) -> tuple[list[int], list[int]]:
         """Return the inputs of the game pad, by their names, in the order of their indices."""
@@ -311,13 +224,20 @@ class Messages:
     def _sent(self, command: Command) -> Iterator[Message]:
         if isinstance(command.telegram, DifferentialCommand):
             message = Cdr().header(self.seen_us(command) / 1e6, self._base)
-            message.numbers("d", *_twist(*command.telegram))
+            message.numbers("d", *twist_of(*command.telegram))
             yield "cmd_vel_sent", bytes(message.data)
 
     def _event(self, event: RecordedEvent) -> Iterator[Message]:
         self._read_properties()
         found = Diagnosis(_LEVELS.get(event.level, 0), "roburoc4", event.text, {})
         yield "diagnostics", diagnostics(self.seen_us(event) / 1e6, self._address, [found])
+
+
+def _by_rep_117(metres: float, nearest_m: float, farthest_m: float) -> float:
+    """Return a distance, or an infinity: nothing within the range, or too near to be measured."""
+    if metres >= farthest_m > 0:
+        return math.inf
+    return -math.inf if metres < nearest_m else metres
 
 
 def _same_places(a: Sequence[Any], b: Sequence[Any]) -> bool:

@@ -5,7 +5,7 @@ A robot obeys none of these topics: playing a recording drives nothing.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import IO
 
@@ -53,19 +53,24 @@ class RosBag:
         self._messages = Messages(robot, address, offset_s)
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
+        self._time_ns = 0
         self.messages = 0
 
     def add(self, item: Item) -> None:
         """Write a status, a command or an event."""
-        time_ns = self._messages.seen_us(item) * 1000
-        for topic, message in self._messages.of(item):
+        self._time_ns = self._messages.seen_us(item) * 1000
+        self._write(self._messages.of(item))
+
+    def _write(self, messages: Iterable[tuple[str, bytes]]) -> None:
+        for topic, message in messages:
             if topic not in self._channels:
                 self._channels[topic] = self._channel(topic)
-            self._writer.add_message(self._channels[topic], time_ns, message, time_ns)
+            self._writer.add_message(self._channels[topic], self._time_ns, message, self._time_ns)
             self.messages += 1
 
     def finish(self) -> None:
         """Complete the file."""
+        self._write(self._messages.rest())
         self._writer.finish()  # type: ignore[no-untyped-call]
 
     def _channel(self, topic: str) -> int:
@@ -181,7 +186,8 @@ class _StatusReader:
 
     def _distance_m(self, message: CdrReader) -> float:
         message.numbers("B", 1)
-        return message.numbers("f", 4)[3]
+        _, nearest_m, farthest_m, metres = message.numbers("f", 4)
+        return min(max(metres, nearest_m), farthest_m) if math.isinf(metres) else metres
 
     def _battery(self, message: CdrReader, times: tuple[int, float]) -> Iterator[Status]:
         share = message.numbers("f", 7)[6]

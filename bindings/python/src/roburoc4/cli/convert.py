@@ -29,7 +29,7 @@ _SHOW_EVERY = 5000
 _COUNTED = {".mcap": "messages", ".csv": "rows", ".pcapng": "datagrams"}
 _MISSING = {
     ".csv": "a CSV file has no commands, events, properties or names of inputs: /cmd_vel_sent, "
-    "/diagnostics, /joy, the battery's voltage, and limits and poses of telemeters are left out",
+    "/diagnostics, /pad/joy, the battery's voltage, limits and poses of telemeters are left out",
     ".mcap": "an MCAP file has no robot_s, robot_cycles, localization_flags, battery_state or "
     "inputs of the IO card by index: these columns are left out",
 }

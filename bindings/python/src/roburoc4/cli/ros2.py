@@ -27,6 +27,7 @@ class Ros2Options(Options):
     namespace: str | None
     odom_frame: str | None
     base_frame: str | None
+    map_frame: str | None
     frame_prefix: str | None
     no_tf: bool
     remap: list[str]
@@ -37,6 +38,8 @@ class Ros2Options(Options):
     max_age_ms: str | None
     max_linear: str | None
     max_angular: str | None
+    max_linear_slope: str | None
+    max_angular_slope: str | None
     list: bool
 
 
@@ -93,6 +96,14 @@ def _add_drive(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--max-angular", metavar="RAD_S", help="ceiling of turn rate, likewise (default: 1.5)"
     )
+    group.add_argument(
+        "--max-linear-slope",
+        metavar="M_S2",
+        help="how fast a commanded speed may grow (default: any); slowing down is never limited",
+    )
+    group.add_argument(
+        "--max-angular-slope", metavar="RAD_S2", help="likewise for the turn rate (default: any)"
+    )
 
 
 def _add_ros(parser: argparse.ArgumentParser) -> None:
@@ -116,6 +127,9 @@ def _add_names(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--namespace", metavar="/NS", help="of node and topics (default: /)")
     group.add_argument("--odom-frame", metavar="NAME", help="default: odom")
     group.add_argument("--base-frame", metavar="NAME", help="default: base_link")
+    group.add_argument(
+        "--map-frame", metavar="NAME", help="also publish NAME -> odom, moved by relocalization"
+    )
     group.add_argument(
         "--frame-prefix", metavar="TEXT", help="prefix of all frames (default: the robot's NAME/)"
     )
@@ -150,6 +164,7 @@ def run(options: Ros2Options) -> int:
 
 def _serve(config: Config) -> int:
     from roburoc4 import ArgumentError, NetworkError
+    from roburoc4.ros2 import environment
     from roburoc4.ros2.participant import DdsError
     from roburoc4.ros2.program import Program
 
@@ -160,6 +175,8 @@ def _serve(config: Config) -> int:
     except (ArgumentError, NetworkError) as error:
         raise usage(f"--robot: {error}") from None
     with program:
+        for warning in environment.warnings(os.environ):
+            note(warning)
         for robot in config.robots:
             node = f"{robot.namespace.rstrip('/')}/{robot.node_name}"
             print(
@@ -174,6 +191,7 @@ def _serve(config: Config) -> int:
 
 
 def _config(options: Ros2Options) -> Config:
+    from roburoc4.ros2 import environment
     from roburoc4.ros2.config import (
         Config,
         FileSettings,
@@ -190,7 +208,7 @@ def _config(options: Ros2Options) -> Config:
         "interface": _given(options.interface, "--interface", "interface"),
     }
     program = {name: value for name, value in program.items() if value is not None}
-    program = _environment() | found.program | program
+    program = environment.settings(os.environ) | found.program | program
     common = _common(options)
     robots = _robots(options, found)
     made: list[RobotConfig] = []
@@ -205,6 +223,8 @@ def _config(options: Ros2Options) -> Config:
         program.get("domain", 0),
         program.get("distro"),
         checked("interface", program["interface"]) if "interface" in program else None,
+        program.get("peers", ()),
+        program.get("multicast", True),
     )
 
 
@@ -214,22 +234,11 @@ def _given(text: Any, option: str, name: str) -> Any:
     return None if text is None else checked(name, text, option)
 
 
-def _environment() -> dict[str, Any]:
-    from roburoc4.ros2.config import DISTROS
-
-    found: dict[str, Any] = {}
-    if domain := os.environ.get("ROS_DOMAIN_ID"):
-        found["domain"] = _given(domain, "ROS_DOMAIN_ID", "domain")
-    if (distro := os.environ.get("ROS_DISTRO")) in DISTROS:
-        found["distro"] = distro
-    return found
-
-
 def _common(options: Ros2Options) -> dict[str, Any]:
     """Return the settings from options, which are for all robots."""
     texts = {
         name: _given(getattr(options, name), "--" + name.replace("_", "-"), name)
-        for name in ("namespace", "odom_frame", "base_frame", "frame_prefix")
+        for name in ("namespace", "odom_frame", "base_frame", "map_frame", "frame_prefix")
     }
     given: dict[str, Any] = {name: text for name, text in texts.items() if text is not None}
     if options.no_tf:
@@ -240,6 +249,8 @@ def _common(options: Ros2Options) -> dict[str, Any]:
         ("--max-age-ms", "max_age_ms"),
         ("--max-linear", "max_linear_m_s"),
         ("--max-angular", "max_angular_rad_s"),
+        ("--max-linear-slope", "max_linear_m_s2"),
+        ("--max-angular-slope", "max_angular_rad_s2"),
     ):
         text = getattr(options, option[2:].replace("-", "_"))
         if text is not None:

@@ -8,12 +8,19 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from .._gate import Counts, DriveCommand, Gate, Rejection, Verdict
+from ..constants import Result, StopOutcome
 from ..robot import Robot
 from ..ros_topics import Diagnosis, yes_or_no
 from .remembered import keep
 
 _RECENT_S = 5.0
 _FINE, _WARNING = 0, 1
+_NEVER_ARMED = (Result.DISARMED, Result.STATE, Result.OK)
+# Publishers that are slower than this send single commands.
+_SLOWEST_S = 2.5
+_SLOW_IN_A_ROW = 3
+# The first command of several may be this much of the slope.
+_FIRST_S = 0.05
 # A publisher may send a stamp again (nav2's velocity smoother does): this makes them distinct.
 _NEXT_US = 1
 
@@ -30,6 +37,9 @@ class DriveConfig:
     max_linear_m_s: float = 1.0
     """Ceilings in addition to the robot's own limits."""
     max_angular_rad_s: float = 1.5
+    max_linear_m_s2: float = math.inf
+    """How fast a commanded speed may grow; slowing down is never limited."""
+    max_angular_rad_s2: float = math.inf
 
 
 class Sender(NamedTuple):
@@ -62,6 +72,8 @@ class DriveState(NamedTuple):
     """The last rejection, with its sender and what to do."""
     is_rejecting: bool
     """Whether that was within the last seconds."""
+    slow: str
+    """Who publishes more slowly than a command holds; empty again some seconds later."""
     counts: Counts
 
     def diagnosis(self, node: str) -> Diagnosis:
@@ -75,6 +87,7 @@ class DriveState(NamedTuple):
             "obeyed": str(self.counts.driven),
             "rejected": str(rejected),
             "last_rejection": self.rejected,
+            "slow": self.slow,
         }
         level, message = _FINE, "commands drive the robot"
         if not self.enabled:
@@ -83,9 +96,28 @@ class DriveState(NamedTuple):
             level, message = _WARNING, f"rejected: {self.rejected}"
         elif self.stopped_by:
             level, message = _WARNING, f"stopped by {self.stopped_by}"
+        elif self.slow:
+            level, message = _WARNING, self.slow
         elif not self.can_drive:
             level, message = _WARNING, "commands do not drive the robot now"
         return Diagnosis(level, f"{node}: commands", message, values)
+
+
+class _Pace(NamedTuple):
+    """How a publisher's commands come."""
+
+    last_s: float
+    was_moving: bool
+    slow: int
+    """Commands in a row that came after the end of the one before."""
+
+
+def _grown(from_speed: float, to_speed: float, most: float) -> float:
+    if from_speed * to_speed < 0:
+        from_speed = 0.0
+    if abs(to_speed) <= max(abs(from_speed), 0.0) or math.isinf(most):
+        return to_speed
+    return math.copysign(min(abs(to_speed), abs(from_speed) + most), to_speed)
 
 
 class Commands:
@@ -114,6 +146,12 @@ class Commands:
         self._stopped_by = ""
         self._rejected = ""
         self._rejected_s = -math.inf
+        self._why_disarmed = ""
+        self._paces: dict[str, _Pace] = {}
+        self._slow = ""
+        self._slow_s = -math.inf
+        self._obeyed_s = -math.inf
+        self._watches_stop = False
         self.state = self._look()
         """For other threads, as of the last :meth:`look`."""
 
@@ -124,6 +162,7 @@ class Commands:
                 f"this machine's clock was set by {step_s:.3f} s: all publishers must pause for "
                 "500 ms"
             )
+        self._watch_stop()
         self.state = self._look()
 
     def _look(self) -> DriveState:
@@ -136,6 +175,7 @@ class Commands:
             self._stopped_by,
             self._rejected,
             self._robot.now_s - self._rejected_s < _RECENT_S,
+            self._slow if self._robot.now_s - self._slow_s < _RECENT_S else "",
             self._gate.counts,
         )
 
@@ -152,13 +192,49 @@ class Commands:
             stamp_us = self._distinct(sender, stamp.sec * 1_000_000 + stamp.nanosec // 1000)
         axes = [getattr(part, axis) for part in (twist.linear, twist.angular) for axis in "xyz"]
         keep(self._names, sender.gid, sender.text)
+        is_finite = all(map(math.isfinite, axes))
+        linear_m_s, angular_rad_s = self._sloped(axes[0], axes[5]) if is_finite else (0.0, 0.0)
         rejection = self._gate.drive(
-            DriveCommand(sender.gid, stamp_us, axes[0], axes[5], all(map(math.isfinite, axes)))
+            DriveCommand(sender.gid, stamp_us, linear_m_s, angular_rad_s, is_finite)
         )
         if rejection is not None:
             self._note(sender, rejection)
-        elif axes[0] or axes[5]:
+            return
+        self._obeyed_s = self._robot.now_s
+        is_moving = bool(axes[0] or axes[5])
+        if is_moving:
             self._stopped_by = ""
+        self._look_at_pace(sender, is_moving)
+
+    def _sloped(self, linear_m_s: float, angular_rad_s: float) -> tuple[float, float]:
+        """Return speeds that grow no faster than is allowed; mistakes of units stay as they are."""
+        facts, config = self._robot.facts, self._config
+        passed_s = self._robot.now_s - self._obeyed_s
+        if passed_s > config.lease_ms / 1000:
+            passed_s = _FIRST_S
+        return (
+            _grown(facts.sent_linear_m_s, linear_m_s, config.max_linear_m_s2 * passed_s),
+            _grown(facts.sent_angular_rad_s, angular_rad_s, config.max_angular_rad_s2 * passed_s),
+        )
+
+    def _look_at_pace(self, sender: Sender, is_moving: bool) -> None:
+        """Report a publisher whose commands end before the next one comes."""
+        now_s = self._robot.now_s
+        pace = self._paces.get(sender.gid, _Pace(-math.inf, False, 0))
+        gap_s, lease_s = now_s - pace.last_s, self._config.lease_ms / 1000
+        is_slow = pace.was_moving and is_moving and lease_s < gap_s < _SLOWEST_S
+        slow = pace.slow + 1 if is_slow else 0
+        keep(self._paces, sender.gid, _Pace(now_s, is_moving, slow))
+        if slow < _SLOW_IN_A_ROW:
+            return
+        text = (
+            f"cmd_vel of {sender.text} comes every {gap_s * 1000:.0f} ms, but holds for "
+            f"{self._config.lease_ms} ms: the robot stops in between; publish faster, or give "
+            "--lease-ms, up to 1000"
+        )
+        if slow == _SLOW_IN_A_ROW:
+            self._report(text)
+        self._slow, self._slow_s = text, now_s
 
     def _distinct(self, sender: Sender, stamp_us: int) -> int:
         """Return a stamp, a little later if it is the sender's last one again.
@@ -177,14 +253,55 @@ class Commands:
             self._note(sender, rejection)
 
     def _note(self, sender: Sender, rejection: Rejection) -> None:
-        why = rejection.why
-        if rejection.verdict is Verdict.CONTROL:
-            owner = self._gate.owner
-            why += f"; in control: {self._names.get(owner, owner)}"
+        why = self._why(rejection)
         self._rejected = f"{sender.text}: {why}"
         self._rejected_s = self._robot.now_s
-        if rejection.is_incident:
+        has_changed = rejection.verdict is Verdict.DISARMED and why != self._why_disarmed
+        if rejection.is_incident or has_changed:
             self._report(f"cmd_vel of {sender.text} rejected: {why}")
+        if rejection.verdict is Verdict.DISARMED:
+            self._why_disarmed = why
+
+    def _why(self, rejection: Rejection) -> str:
+        """Return the cause of a rejection as exactly as it is known."""
+        if rejection.verdict is Verdict.CONTROL:
+            owner = self._gate.owner
+            return f"{rejection.why}; in control: {self._names.get(owner, owner)}"
+        if rejection.verdict is not Verdict.DISARMED:
+            return rejection.why
+        facts = self._robot.facts
+        if facts.arm_refusal:
+            return f"the robot cannot be armed: {facts.arm_refusal.text}"
+        cause = facts.disarm_cause.text if facts.disarm_cause else ""
+        if self._stopped_by:
+            cause = f"stopped by {self._stopped_by}"
+        elif facts.disarm_cause in _NEVER_ARMED:
+            cause = "this node has just started"
+        pressed = [
+            side
+            for side, fact in (("front", facts.front_bumper), ("rear", facts.rear_bumper))
+            if fact
+        ]
+        if pressed:
+            cause += f" (pressed: {' and '.join(pressed)} bumper)"
+        return f"{cause}; all publishers must pause (or send zero) for 500 ms"
+
+    def _watch_stop(self) -> None:
+        """Report a stop that another commander, or the game pad, undoes."""
+        facts = self._robot.facts
+        if not self._watches_stop or facts.stopping or facts.stop_outcome is StopOutcome.RUNNING:
+            return
+        self._watches_stop = False
+        if facts.other_commander:
+            self._report(
+                f"stopped by {self._stopped_by}, but another commander, which is not this node, "
+                "still drives the robot: end that program, or press an emergency stop"
+            )
+        elif facts.stop_outcome in {StopOutcome.TIMED_OUT, StopOutcome.OVERRIDDEN}:
+            self._report(
+                f"stopped by {self._stopped_by}, but the robot did not confirm it "
+                f"({facts.stop_outcome.name.lower().replace('_', ' ')}): watch it"
+            )
 
     def stop(self, sender: Sender) -> None:
         """Stop, whatever the message contains and whoever sent it; then wait for a pause."""
@@ -195,6 +312,7 @@ class Commands:
             )
         self._stopped_by = sender.text
         self._gate.stop(sender.gid)
+        self._watches_stop = True
 
     def end(self) -> None:
         """Stop the robot, if it was driven from here."""

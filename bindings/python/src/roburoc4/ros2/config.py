@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..ros_topics import Frames
+from ..ros_odometry import Frames
 from ..settings import STATUS_SERVICES
 from .commands import DriveConfig
 from .names import is_namespace, is_node, is_topic
@@ -64,6 +64,9 @@ class Config:
     distro: str | None = None
     """The one that the others run; None: derived from what they announce."""
     interface: str | None = None
+    peers: tuple[str, ...] = ()
+    """Hosts that are also searched for nodes."""
+    multicast: bool = True
 
 
 class _Setting(NamedTuple):
@@ -132,6 +135,7 @@ ROBOT_SETTINGS = {
     "node_name": _Setting(_text(is_node), "letters, digits and _"),
     "odom_frame": _Setting(_text(_FRAME.fullmatch), _FRAME_USABLE),
     "base_frame": _Setting(_text(_FRAME.fullmatch), _FRAME_USABLE),
+    "map_frame": _Setting(_text(_FRAME.fullmatch), _FRAME_USABLE),
     "frame_prefix": _Setting(_text(_FRAME.fullmatch), _FRAME_USABLE),
     "tf": _Setting(_yes, "true or false"),
     "remap": _Setting(
@@ -143,6 +147,8 @@ ROBOT_SETTINGS = {
     "max_age_ms": _Setting(_between(0, 60000), "0 (any age) to 60000"),
     "max_linear_m_s": _Setting(_speed(20.0), "0.001 to 20 m/s"),
     "max_angular_rad_s": _Setting(_speed(50.0), "0.001 to 50 rad/s"),
+    "max_linear_m_s2": _Setting(_speed(100.0), "0.001 to 100 m/s2"),
+    "max_angular_rad_s2": _Setting(_speed(100.0), "0.001 to 100 rad/s2"),
     "period_ms": _Setting(
         _periods_ms,
         "a multiple of 10, 10 to 2550, or such by service: " + ", ".join(STATUS_SERVICES),
@@ -179,6 +185,7 @@ def robot_config(name: str, settings: Mapping[str, Any]) -> RobotConfig:
             settings.get("odom_frame", defaults.frames.odom),
             settings.get("base_frame", defaults.frames.base),
             settings.get("frame_prefix", f"{name}/" if name else ""),
+            settings.get("map_frame", defaults.frames.map),
         ),
         settings.get("tf", defaults.tf),
         settings.get("remap", defaults.remap),
@@ -190,6 +197,8 @@ def robot_config(name: str, settings: Mapping[str, Any]) -> RobotConfig:
             settings.get("max_age_ms", defaults.drive.max_age_ms),
             settings.get("max_linear_m_s", defaults.drive.max_linear_m_s),
             settings.get("max_angular_rad_s", defaults.drive.max_angular_rad_s),
+            settings.get("max_linear_m_s2", defaults.drive.max_linear_m_s2),
+            settings.get("max_angular_rad_s2", defaults.drive.max_angular_rad_s2),
         ),
     )
 

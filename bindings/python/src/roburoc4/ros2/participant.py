@@ -6,7 +6,9 @@ docs/ros2.md lists the files of theirs from which the rules here are taken.
 
 import contextlib
 import os
+import socket
 import threading
+from collections.abc import Sequence
 from typing import Any
 from xml.sax import saxutils
 
@@ -29,8 +31,11 @@ from .types import struct_of
 # Messages that are taken at a time.
 _MANY = 1000
 _LOOPBACKS = ("lo", "127.0.0.1", "localhost")
-# By this mark our programs recognize each other; ROS 2 ignores it.
-_MARK = b"roburoc4"
+# By this mark, and the robots' addresses after it, our programs recognize each other. ROS 2 ignores
+# it.
+MARK = b"roburoc4"
+# Of a gid: the part that all gids of a participant share.
+_PREFIX = 12
 _ENCLAVE = b"enclave=/;"
 _DISCOVERY = "ros_discovery_info"
 _DISCOVERY_KIND = "rmw_dds_common/ParticipantEntitiesInfo"
@@ -127,7 +132,14 @@ class Participant:
     """All nodes of this program, as one participant of a domain; to be closed."""
 
     def __init__(
-        self, domain: int, *, humble: bool | None = None, interface: str | None = None
+        self,
+        domain: int,
+        *,
+        humble: bool | None = None,
+        interface: str | None = None,
+        peers: Sequence[str] = (),
+        multicast: bool = True,
+        robots: Sequence[str] = (),
     ) -> None:
         """Join; nodes are announced in Humble's form or not, or (None) as other nodes are."""
         self._gid_size = HUMBLE_GID_SIZE if humble else GID_SIZE
@@ -138,7 +150,10 @@ class Participant:
         self._nodes: list[Node] = []
         self._topics: dict[str, DdsTopic[Any]] = {}
         # Later settings win.
-        settings = [_LEAVES_AT_ONCE, os.environ.get("CYCLONEDDS_URI", "")]
+        settings = [_LEAVES_AT_ONCE]
+        if peers:
+            settings.append(_with_peers(peers, multicast))
+        settings.append(os.environ.get("CYCLONEDDS_URI", ""))
         if interface is not None:
             settings.append(_only(interface))
         try:
@@ -151,11 +166,18 @@ class Participant:
                 "CYCLONEDDS_URI, and whether the network is up"
             ) from None
         discovery, qos = self.topic(_DISCOVERY, _DISCOVERY_KIND), _qos(_DISCOVERY_KIND, LATCHED)
-        marked = DdsPublisher(self.dds, Qos(Policy.Groupdata(_MARK)))
+        mark = b" ".join([MARK, *map(self.mark_of, robots)])
+        marked = DdsPublisher(self.dds, Qos(Policy.Groupdata(mark)))
         self._discovery = Publisher(DataWriter(marked, discovery, qos))
         all_of_others = Qos(Policy.History.KeepAll, Policy.IgnoreLocal.Participant, base=qos)
         self._heard: DataReader[Any] = DataReader(self.dds, discovery, all_of_others)
         self._heard.topic.data_type = Raw
+
+    @staticmethod
+    def mark_of(address: str) -> bytes:
+        """Return what stands for a robot in the mark: a loopback address is this computer's."""
+        here = socket.gethostname() if address.startswith("127.") else ""
+        return f"{here}/{address}".encode()
 
     def node(self, namespace: str, name: str) -> Node:
         """Make a node; call ``announce`` when it has all its topics."""
@@ -209,7 +231,8 @@ class Participant:
         with contextlib.suppress(DDSException):
             handle = data.sample_info.publication_handle
             if endpoint := self._heard.get_matched_publication_data(handle):
-                return Policy.Groupdata(_MARK) in endpoint.qos.policies
+                group = endpoint.qos[Policy.Groupdata]
+                return group is not None and group.data.startswith(MARK)
         return True  # one that has left is not followed
 
     def others(self) -> list[Announcement]:
@@ -219,9 +242,14 @@ class Participant:
             return list(self._others.values())
 
     def node_of(self, gid: bytes) -> str:
-        """Return the full name of the node that a publisher belongs to; empty if not known."""
-        nodes = (node for one in self.others() for node in one.nodes if gid in node.writers)
-        return next((node.full_name for node in nodes), "")
+        """Return the full name of the node that a publisher belongs to; empty if not known.
+
+        What announces nodes belongs to all of its participant: the first is named.
+        """
+        found = [(one, node) for one in self.others() for node in one.nodes]
+        nodes = [node for _, node in found if gid in node.writers]
+        nodes += [node for one, node in found if gid[:_PREFIX] == one.gid[:_PREFIX]]
+        return nodes[0].full_name if nodes else ""
 
     def close(self) -> None:
         """Withdraw everything: others see at once that it is gone."""
@@ -236,6 +264,7 @@ class Participant:
 def _qos(kind: str, profile: Profile) -> Qos:
     """Return the QoS that an rmw layer requests, with the type's hash."""
     durability = Policy.Durability
+    policies = [Policy.Lifespan(duration(seconds=profile.lifespan_s))] if profile.lifespan_s else []
     return Qos(
         Policy.Reliability.Reliable(duration(milliseconds=_LONGEST_BLOCK_MS))
         if profile.reliable
@@ -245,6 +274,7 @@ def _qos(kind: str, profile: Profile) -> Qos:
         Policy.DataRepresentation(use_cdrv0_representation=True),
         Policy.WriterDataLifecycle(autodispose=False),
         Policy.Userdata(f"typehash={type_hash(kind)};".encode()),
+        *policies,
     )
 
 
@@ -254,8 +284,15 @@ def _only(interface: str) -> str:
     general = f"<General><Interfaces><NetworkInterface name={name}/></Interfaces></General>"
     if interface not in _LOOPBACKS:
         return general
-    # Loopback usually lacks multicast, so other participants are searched for by their ports.
-    return general + (
+    # Loopback usually lacks multicast.
+    return general + _with_peers(["localhost"], multicast=True)
+
+
+def _with_peers(peers: Sequence[str], multicast: bool) -> str:
+    """Return settings that also search these hosts for participants, by their ports, as ROS 2."""
+    found = "".join(f"<Peer Address={saxutils.quoteattr(peer)}/>" for peer in peers)
+    return ("" if multicast else "<General><AllowMulticast>false</AllowMulticast></General>") + (
         "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
-        "<Peers><Peer Address='localhost'/></Peers></Discovery>"
+        "<MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
+        f"<Peers>{found}</Peers></Discovery>"
     )

@@ -24,7 +24,14 @@ class Program:
         with contextlib.ExitStack() as stack:
             robots = [stack.enter_context(_connect(robot)) for robot in config.robots]
             humble = None if config.distro is None else config.distro == "humble"
-            participant = Participant(config.domain, humble=humble, interface=config.interface)
+            participant = Participant(
+                config.domain,
+                humble=humble,
+                interface=config.interface,
+                peers=config.peers,
+                multicast=config.multicast,
+                robots=[robot.address for robot in robots],
+            )
             stack.callback(participant.close)
             self._participant = participant
             nodes = [

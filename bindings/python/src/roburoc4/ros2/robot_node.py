@@ -9,10 +9,11 @@ from ..cdr import Cdr
 from ..constants import Event, State
 from ..records import Status
 from ..robot import Robot
-from ..ros_topics import Messages, diagnostics
+from ..ros_topics import Diagnosis, Messages, diagnostics
 from .commands import Commands
 from .config import RobotConfig
 from .listener import Listener
+from .neighbours import Neighbours
 from .participant import Participant
 from .state import conditions, diagnoses
 from .urdf import urdf
@@ -20,6 +21,9 @@ from .urdf import urdf
 _LOOK_S = 0.2
 _DIAGNOSE_S = 1.0
 _FIRST_NOTE_S = 3.0
+# As in rcl_interfaces/Log, and in diagnostic_msgs/DiagnosticStatus.
+_INFO, _WARN = 20, 30
+_DIAGNOSE_WARNING = 1
 
 
 class RobotNode:
@@ -35,16 +39,18 @@ class RobotNode:
         self.robot = robot
         self.config = config
         self.node = participant.node(config.namespace, config.node_name)
-        self._messages = Messages(robot, robot.address, frames=config.frames)
+        self._tell = report
+        self._messages = Messages(robot, robot.address, frames=config.frames, report=self._warn)
         self._publishers = {
             key: self.node.publisher(*topic) for key, topic in config.topics().items()
         }
-        self._presence = _Presence(robot, report)
+        self._neighbours = Neighbours(participant, config, robot.address, self._warn)
+        self._presence = _Presence(robot, self._report)
         self._conditions: dict[str, bool] = {}
         self._diagnosed_s = -_DIAGNOSE_S
-        self.commands = Commands(robot, config.drive, report)
+        self.commands = Commands(robot, config.drive, self._warn)
         self.listener = Listener(
-            participant, self.node, self.commands, config.subscriptions(), report
+            participant, self.node, self.commands, config.subscriptions(), self._warn
         )
 
     def run(self, ended: threading.Event) -> None:
@@ -58,6 +64,19 @@ class RobotNode:
                 self._describe()
             self._look()
             self._presence.look()
+
+    def _warn(self, text: str) -> None:
+        self._report(text, _WARN)
+
+    def _report(self, text: str, level: int) -> None:
+        """Tell the user, on the terminal and on /rosout."""
+        self._tell(f"{self.config.name}: {text}" if self.config.name else text)
+        second, nanosecond = divmod(time.time_ns(), 1_000_000_000)
+        message = Cdr().numbers("i", second).numbers("I", nanosecond).numbers("B", level)
+        name = f"{self.config.namespace}/{self.config.node_name}".strip("/").replace("/", ".")
+        for part in (name, text, "", ""):
+            message.text(part)
+        self._publish("rosout", bytes(message.numbers("I", 0).data))
 
     def _publish_status(self, status: Status) -> None:
         for key, message in self._messages.of(status):
@@ -85,14 +104,22 @@ class RobotNode:
             self._diagnosed_s = now_s
             name = f"{self.config.namespace}/{self.config.node_name}".lstrip("/")
             found = diagnoses(self.robot, name)
+            self._neighbours.look()
             found.append(self.commands.state.diagnosis(name))
+            found.append(_other_nodes(name, self._neighbours.problems))
             self._publish("diagnostics", diagnostics(time.time(), self.robot.address, found))
+
+
+def _other_nodes(name: str, problems: list[str]) -> Diagnosis:
+    values = {str(number): text for number, text in enumerate(problems, 1)}
+    text = problems[0] if problems else "nothing is in the way"
+    return Diagnosis(_DIAGNOSE_WARNING if problems else 0, f"{name}: other nodes", text, values)
 
 
 class _Presence:
     """Reports when the robot is connected and when it falls silent."""
 
-    def __init__(self, robot: Robot, report: Callable[[str], None]) -> None:
+    def __init__(self, robot: Robot, report: Callable[[str, int], None]) -> None:
         self._robot = robot
         self._report = report
         self._ready: bool | None = None
@@ -102,12 +129,13 @@ class _Presence:
         state, address = self._robot.state, self._robot.address
         if state is State.READY and self._ready is not True:
             self._ready = True
-            self._report(f"connected to the robot at {address}")
+            self._report(f"connected to the robot at {address}", _INFO)
         elif state is State.LOST and self._ready:
             self._ready = False
             self._report(
-                f"the robot at {address} fell silent: waiting for it; check its power and cable"
+                f"the robot at {address} fell silent: waiting for it; check its power and cable",
+                _WARN,
             )
         elif self._ready is None and time.monotonic() - self._begun_s > _FIRST_NOTE_S:
             self._ready = False
-            self._report(f"no answer from {address} yet: still waiting; run roburoc4 doctor")
+            self._report(f"no answer from {address} yet: still waiting; run roburoc4 doctor", _WARN)

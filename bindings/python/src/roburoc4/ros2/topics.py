@@ -14,6 +14,8 @@ class Profile(NamedTuple):
     """Transient local: late subscribers get the last messages, too."""
     reliable: bool = True
     """Of a subscription: whether it only matches reliable publishers."""
+    lifespan_s: int = 0
+    """Late subscribers do not get older messages; 0: all."""
 
     @property
     def text(self) -> str:
@@ -26,6 +28,7 @@ class Profile(NamedTuple):
 DEFAULT = Profile(10)
 TRANSFORMS = Profile(100)
 LATCHED = Profile(1, latched=True)
+LOG = Profile(1000, latched=True, lifespan_s=10)
 # A command that was lost is not worth a second try: the next one is newer.
 COMMANDS = Profile(10, reliable=False)
 
@@ -53,11 +56,12 @@ PUBLISHED: dict[str, Topic] = dict(
         _of_statuses("battery_state"),
         _of_statuses("range/front"),
         _of_statuses("range/rear"),
-        _of_statuses("joy"),
+        _of_statuses("pad/joy"),
         ("bumpers/front", Topic("bumpers/front", "std_msgs/Bool", LATCHED)),
         ("bumpers/rear", Topic("bumpers/rear", "std_msgs/Bool", LATCHED)),
         ("inhibited", Topic("inhibited", "std_msgs/Bool", LATCHED)),
         _of_statuses("diagnostics", "/diagnostics"),
+        ("rosout", Topic("/rosout", "rcl_interfaces/Log", LOG)),
         ("robot_description", Topic("robot_description", "std_msgs/String", LATCHED)),
     )
 )

@@ -5,7 +5,8 @@ import math
 from xml.etree import ElementTree as Xml
 
 from ..records import Properties
-from ..ros_topics import RANGES, Frames
+from ..ros_odometry import Frames
+from ..ros_topics import RANGES
 
 # The manual's (2.2); the wheels are not in it, and only for display.
 _LENGTH_M, _WIDTH_M, _HEIGHT_M = 1.31, 0.75, 0.77
