@@ -274,6 +274,7 @@ def test_the_theme_can_be_chosen_and_is_kept(station: Make, visit: Visit) -> Non
     page = visit(here.url, color_scheme="dark")
     root = page.locator("html")
     expect(root).to_have_attribute("data-theme", "dark")
+    open_tab(page, "link")
     page.locator("#theme").click()
     expect(root).to_have_attribute("data-theme", "light")
     page.reload()

@@ -12,12 +12,15 @@ export function showCameras(cameras) {
     picture.alt = `camera ${name}`;
     picture.src = url;
     const caption = make("figcaption", "", name);
+    const first = make("button", "quiet", "large");
+    first.setAttribute("aria-label", `camera ${name} large, map small`);
+    first.addEventListener("click", () => first.setAttribute("aria-pressed", String(by("stage").classList.toggle("camera-first"))));
     picture.addEventListener("error", () => {
       picture.style.visibility = "hidden";
       caption.textContent = `${name}: no picture from ${url}`;
       setTimeout(() => { picture.src = url; }, 5000);
     });
     picture.addEventListener("load", () => { picture.style.visibility = ""; caption.textContent = name; });
-    return make("figure", "", "", picture, caption);
+    return make("figure", "", "", picture, caption, first);
   }));
 }
