@@ -13,9 +13,10 @@ from typing import Any
 from playwright.sync_api import Error, Page, expect
 
 import roburoc4
+from roburoc4.dashboard.camera import Camera
 from roburoc4.dashboard.fleet import Fleet
 from roburoc4.dashboard.guard import Rules
-from roburoc4.dashboard.hub import Camera, Hub
+from roburoc4.dashboard.hub import Hub
 from roburoc4.dashboard.panel import Panel
 from roburoc4.dashboard.server import Place, listen, make_server
 
@@ -130,8 +131,7 @@ class Station:
         place = place or Place()
         self._socket = listen(place)
         self.port = self._socket.getsockname()[1]
-        urls = tuple(camera.url for camera in cameras)
-        rules = rules or Rules(None, names(self.port) if names else (), cameras=urls)
+        rules = rules or Rules(None, names(self.port) if names else ())
         ready = threading.Event()
         self.server = make_server(Fleet(self.hubs), place, rules, ready.set)
         self._thread = threading.Thread(target=self.server.run, args=([self._socket],), daemon=True)

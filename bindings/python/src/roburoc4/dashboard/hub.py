@@ -13,10 +13,11 @@ import itertools
 import json
 import time
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from .. import __version__
 from ..robot import Robot
+from .camera import Camera
 from .control import Control, Viewer, limits_of
 from .frames import Frames
 from .going import ENDED, Going
@@ -37,13 +38,6 @@ _UNANSWERED = 3
 def encode(document: object) -> str:
     """Make compact JSON; NaN would be our own mistake."""
     return json.dumps(document, separators=(",", ":"), allow_nan=False)
-
-
-class Camera(NamedTuple):
-    """A server of moving pictures (MJPEG) run by the operator."""
-
-    name: str
-    url: str
 
 
 class Page(Viewer):
@@ -157,7 +151,7 @@ class Hub:
             "address": self.robot.address,
             "name": self.name,
             "captured": self.robot.recorder is not None,
-            "cameras": [camera._asdict() for camera in self.cameras],
+            "cameras": [{"name": camera.name} for camera in self.cameras],
             "enable_drive": self.control.offered,
             "simulated": self.panel is not None,
             "speeds": history.speeds.columns(),
