@@ -114,9 +114,14 @@ def inhibited(browser: Browser, folder: Path) -> None:
 SHOWS = """
 window.wanted = null;
 const listen = WebSocket.prototype.addEventListener;
-const merge = (one, other) => Object.fromEntries([...new Set([...Object.keys(one), ...Object.keys(other)])]
-  .map((key) => [key, !(key in other) ? one[key]
-    : other[key] && typeof other[key] === "object" && !Array.isArray(other[key]) ? merge(one[key] ?? {}, other[key]) : other[key]]));
+const isTable = (value) => value && typeof value === "object" && !Array.isArray(value);
+const merge = (one, other) => {
+  const both = { ...one };
+  for (const [key, value] of Object.entries(other)) {
+    both[key] = isTable(value) ? merge(one[key] ?? {}, value) : value;
+  }
+  return both;
+};
 WebSocket.prototype.addEventListener = function (kind, handler) {
   listen.call(this, kind, kind !== "message" ? handler : (event) => {
     const message = JSON.parse(event.data);
@@ -147,17 +152,21 @@ def gallery(browser: Browser, folder: Path) -> None:
         for name in ("plots", "events", "io", "link", "sim")
     }
     scenes = [(title, frame, None) for title, frame in STATES]
-    scenes += [("DISARMED", {}, "nobody"), ("NO CONNECTION", {}, "gone")]
+    scenes += [("DISARMED", {"driver": None, "driver_name": None}, None), ("NO CONNECTION", {}, "gone")]
     scenes += [("ARMED", {"facts": {"armed": True}}, name) for name in opens]
     rows = []
-    with scene(browser, "light", {"viewport": {"width": 1440, "height": 900}}, init=SHOWS,
-               panel=True, robots=("RED", "BLUE")) as (here, page):
+    with scene(
+        browser,
+        "light",
+        {"viewport": {"width": 1440, "height": 900}},
+        init=SHOWS,
+        panel=True,
+        robots=("RED", "BLUE"),
+    ) as (here, page):
         drive_about(here, page, 3.0)
         page.evaluate("hold(0, 0)")
         for number, (title, frame, special) in enumerate(scenes):
             page.evaluate("(frame) => { window.wanted = frame; }", frame)
-            if special == "nobody":
-                page.locator("#leave").click()
             if special == "gone":
                 here.stop_serving()
                 page.get_by_text("NO CONNECTION").first.wait_for()

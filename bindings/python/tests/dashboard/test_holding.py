@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Stick and STOP stay where a finger or an eye expects them, whatever else the page shows."""
 
+import itertools
 from collections.abc import Callable
 from typing import Any
 
@@ -140,12 +141,13 @@ def test_no_warning_moves_stick_or_stop(station: Make, visit: Visit) -> None:
 
 APART = """(name) => {
     const box = document.getElementById(name).getBoundingClientRect();
-    const parts = "#stop, #stick, #map, .speed, #scale, #banner, #take, #arm, #disarm, #leave, .tabs";
-    return [...document.querySelectorAll(parts)].filter((node) => {
-        const other = node.getBoundingClientRect();
-        return node.id !== name && other.width && Math.min(box.right, other.right) > Math.max(box.left, other.left) + 1
-            && Math.min(box.bottom, other.bottom) > Math.max(box.top, other.top) + 1;
-    }).map((node) => node.id || node.className);
+    const over = (other) => Math.min(box.right, other.right) > Math.max(box.left, other.left) + 1
+        && Math.min(box.bottom, other.bottom) > Math.max(box.top, other.top) + 1;
+    return [...document.querySelectorAll("#stop, #stick, #map, .speed, #scale, #banner, #take, "
+        + "#arm, #disarm, #leave, .tabs")]
+        .filter((node) => node.id !== name && node.checkVisibility())
+        .filter((node) => over(node.getBoundingClientRect()))
+        .map((node) => node.id || node.className);
 }"""
 READABLE = """(node) => {
     const box = node.getBoundingClientRect();
@@ -154,10 +156,10 @@ READABLE = """(node) => {
 }"""
 TOO_SMALL = """() => [...document.querySelectorAll("button, input, select, summary, a")]
     .filter((node) => node.checkVisibility({ visibilityProperty: true }))
-    .filter((node) => {
-        const box = (node.type === "checkbox" ? node.closest("label") : node).getBoundingClientRect();
-        return box.width < 43.5 || box.height < 43.5;
-    }).map((node) => `${node.id || node.name || node.textContent}: ${node.getBoundingClientRect().height}`)
+    .map((node) => (node.type === "checkbox" ? node.closest("label") : node))
+    .map((node) => [node.id || node.textContent, node.getBoundingClientRect()])
+    .filter(([, box]) => box.width < 43.5 || box.height < 43.5)
+    .map(([name, box]) => `${name}: ${box.width} by ${box.height}`)
 """
 SEEN = """(name) => {
     const box = document.getElementById(name).getBoundingClientRect();
@@ -252,7 +254,7 @@ def test_headings_miss_no_level_in_any_size(station: Make, visit: Visit) -> None
                 .map((node) => Number(node.tagName[1]))"""
         )
         assert levels[0] == 1, size
-        assert all(after <= before + 1 for before, after in zip(levels, levels[1:], strict=False))
+        assert all(after <= before + 1 for before, after in itertools.pairwise(levels))
 
 
 def test_tabs_do_not_jump_when_they_are_chosen(station: Make, visit: Visit) -> None:

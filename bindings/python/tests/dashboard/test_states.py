@@ -151,6 +151,8 @@ def test_the_strip_shows_who_drives_what_whatever_is_wrong(station: Make, visit:
         expect(page.locator(f"#{name}")).to_be_in_viewport(ratio=1)
         expect(page.locator(f"#{name}")).to_have_text(text)
     here.sim.set("front_bumper", False)
-    here.wait_until_driven(page, lambda: hold_pad(page, rt=1.0), lambda: page.evaluate("hold(0, 0)"))
+    here.wait_until_driven(
+        page, lambda: hold_pad(page, rt=1.0), lambda: page.evaluate("hold(0, 0)")
+    )
     expect(mode).to_have_text("DRIVING")
     assert mode.evaluate("(node) => getComputedStyle(node).backgroundColor") != calm

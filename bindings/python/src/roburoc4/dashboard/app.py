@@ -72,7 +72,7 @@ def application(fleet: Fleet, rules: Rules) -> ASGIApp:
     feeds = [Feed(camera) for camera in fleet.hubs[0].cameras]
 
     async def camera(request: Request) -> Response:
-        index, after = request.path_params["index"], request.query_params.get("after", "")
+        index, after = int(request.path_params["index"]), request.query_params.get("after", "")
         if index >= len(feeds) or not after.isdecimal():
             return PlainTextResponse("There is no such picture.\n", 404)
         return await feeds[index].next(int(after[:12]))

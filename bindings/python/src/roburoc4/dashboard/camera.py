@@ -62,9 +62,10 @@ class Feed:
 
     def _read(self) -> None:
         while self._seen:
-            with contextlib.suppress(OSError, ValueError), urlopen(
-                self._url, timeout=_SILENT_S
-            ) as answer:
+            with (
+                contextlib.suppress(OSError, ValueError),
+                urlopen(self._url, timeout=_SILENT_S) as answer,
+            ):
                 kind = answer.headers.get_content_type()
                 if kind.startswith("multipart/"):
                     self._read_parts(answer)

@@ -10,7 +10,6 @@ from ..errors import RobotError
 from ..moves import STEP_S, MoveResult
 from ..robot import Robot
 
-
 ENDED = "the move was ended"
 
 

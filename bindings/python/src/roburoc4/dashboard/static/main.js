@@ -62,8 +62,8 @@ addEventListener("pointerup", () => document.activeElement?.matches("input[type=
 function device() {
   const agent = navigator.userAgent;
   const browser = ["Firefox", "Edg", "Chrome", "Safari"].find((name) => agent.includes(name)) ?? "browser";
-  const place = [["phone", /iPhone|Mobile/], ["tablet", /iPad|Android/], ["Windows", /Windows/], ["Mac", /Mac/]].find(([, of]) => of.test(agent));
-  return `${browser} on ${place?.[0] ?? "Linux"}`;
+  const kind = [["phone", /iPhone|Mobile/], ["tablet", /iPad|Android/], ["Windows", /Windows/], ["Mac", /Mac/]].find(([, of]) => of.test(agent));
+  return `${browser} on ${kind?.[0] ?? "Linux"}`;
 }
 
 const named = by("page-name");
