@@ -166,7 +166,7 @@ def gallery(browser: Browser, folder: Path) -> None:
         drive_about(here, page, 3.0)
         page.evaluate("hold(0, 0)")
         for number, (title, frame, special) in enumerate(scenes):
-            page.evaluate("(frame) => { window.wanted = frame; }", frame)
+            page.evaluate("(frame) => { window.wanted = frame; }", {"why": "", **frame})
             if special == "gone":
                 here.stop_serving()
                 page.get_by_text("NO CONNECTION").first.wait_for()

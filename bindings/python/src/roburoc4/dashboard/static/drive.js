@@ -211,6 +211,7 @@ export class Drive {
   why(frame, armed) {
     if (!this.offered) return "Start roburoc4 dashboard with --enable-drive to drive from here.";
     if (this.refusal) return this.refusal;
+    if (frame.state !== "ready") return "Nothing can be driven: the robot does not answer.";
     if (!this.mine) return frame.driver === null ? "One page at a time can drive: take control, then arm." : frame.asker === this.page ? `“${frame.driver_name}” was asked. You get control when it agrees, or when it is gone.` : this.relieves ? `“${frame.driver_name}” has control and drives nothing.` : `“${frame.driver_name}” has control. STOP works from every page.`;
     if (frame.going) return `The robot goes by itself: ${trip(frame, frame.going, frame.going_m_s)}. Any key or deflection, Escape, or leaving this page ends that.`;
     if (armed && frame.must_let_go) return "Armed: let go of everything once, then drive.";
