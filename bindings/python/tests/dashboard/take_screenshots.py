@@ -152,8 +152,9 @@ def gallery(browser: Browser, folder: Path) -> None:
         for name in ("plots", "events", "io", "link", "sim")
     }
     scenes = [(title, frame, None) for title, frame in STATES]
-    scenes += [("DISARMED", {"driver": None, "driver_name": None}, None), ("NO CONNECTION", {}, "gone")]
+    scenes += [("DISARMED", {"driver": None, "driver_name": None}, None)]
     scenes += [("ARMED", {"facts": {"armed": True}}, name) for name in opens]
+    scenes += [("NO CONNECTION", {}, "gone")]
     rows = []
     with scene(
         browser,

@@ -278,6 +278,10 @@ def test_nothing_sounds_live_when_the_connection_is_lost(station: Make, visit: V
     expect(page.locator("#control")).to_have_text("Control: not known")
     expect(page.locator("#drive-why")).to_contain_text("Nothing can be driven from here")
     expect(page.locator("#asked")).to_be_empty()
+    open_tab(page, "link")
+    expect(page.locator("#link-say")).to_contain_text("not known")
+    expect(page.locator("#link-figures")).to_be_empty()
+    expect(page.locator("#arm")).to_be_disabled()
 
 
 def test_an_input_that_is_not_sent_says_so(station: Make, visit: Visit) -> None:

@@ -52,6 +52,6 @@ export function statesOf(s) {
 export const silence = (why, stopping) => {
   const [title, text, next] = stopping
     ? ["STOP NOT CONFIRMED", "There is no connection to the dashboard: press the robot’s emergency stop.", "This page sends STOP again when it is connected."]
-    : ["NO CONNECTION TO THE DASHBOARD", "What you see is old, and nothing can be driven from here.", "Is the program roburoc4 dashboard still running? Is the network up? This page connects again by itself."];
+    : ["NO CONNECTION TO THE DASHBOARD", "What you see is old.", "Try: look whether roburoc4 dashboard runs, and the network. This page connects again by itself."];
   return [["bad", title, `${text} ${why ? `The dashboard says: ${end(why)}` : next}`]];
 };
