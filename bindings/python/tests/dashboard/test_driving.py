@@ -597,9 +597,9 @@ def test_inhibited_motion_disarms_and_is_shown(station: Make, visit: Visit) -> N
     arm(page)
     hold_pad(page, rt=1.0)
     expect(page.locator("#banner-text")).to_contain_text(
-        "does not follow its commands. Check emergency stops"
+        "did not follow its commands: check emergency stops"
     )
-    expect(page.locator("#banner-title")).to_have_text("MOTION INHIBITED")
+    expect(page.locator("#banner-title")).to_have_text("DISARMED")  # nothing is commanded now
     expect(page.locator("#events")).to_contain_text("motion inhibited")
     assert not here.robot.facts.armed
     here.sim.set("estop_remote", False)

@@ -2,8 +2,11 @@
 """What an operator's hands and eyes expect: keys, names, places, alarms, the past."""
 
 import math
+import subprocess
+import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page, expect
@@ -14,6 +17,7 @@ from station import (
     B,
     Station,
     arm,
+    free_port,
     hold_pad,
     open_tab,
     press_arm,
@@ -23,6 +27,8 @@ from station import (
 )
 
 import roburoc4
+from roburoc4.dashboard.frames import Frames
+from roburoc4.dashboard.history import History
 
 Visit = Callable[..., Page]
 Make = Callable[..., Station]
@@ -159,13 +165,6 @@ def test_r_begins_a_recording_and_ends_none(station: Make, visit: Visit) -> None
     count = here.hub.recorder.now["statuses"]
     until(lambda: here.hub.recorder.now["statuses"] > count + 10)
     assert here.hub.recorder.now["on"]
-
-
-def press(page: Page, button: int) -> None:
-    page.evaluate(f"hold({button}, 1)")
-    page.wait_for_timeout(300)
-    page.evaluate(f"hold({button}, 0)")
-    page.wait_for_timeout(300)
 
 
 def test_the_pad_stops_and_changes_the_speed(station: Make, visit: Visit) -> None:
@@ -390,7 +389,32 @@ def test_the_pale_band_shows_what_the_slider_gives(station: Make, visit: Visit) 
         assert band() == pytest.approx(100 * math.sqrt(percent / 100 / 2.6), abs=0.5)
 
 
-def test_a_recording_that_is_replayed_says_so(station: Make, visit: Visit) -> None:
+def test_a_recording_that_is_replayed_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "run.pcapng"
+    with (
+        roburoc4.Simulator(port=0) as sim,
+        roburoc4.connect(sim.address, record=path) as robot,
+    ):
+        until(lambda: robot.facts.descriptions_done and robot.link.received > 100)
+    command = "from roburoc4.cli import main; main()"
+    port = str(free_port())
+    arguments = ["replay", str(path), "--port", port, "--loop"]
+    with subprocess.Popen([sys.executable, "-c", command, *arguments]) as replaying:
+        try:
+            with roburoc4.connect(f"127.0.0.1:{port}", wait=False) as robot:
+                frames = Frames(robot, History())
+
+                def recorded() -> bool:
+                    frames.take(robot.now_s, 0.0)
+                    frames.about(robot.now_s)
+                    return bool(frames.known.get("recorded"))
+
+                until(recorded)
+        finally:
+            replaying.terminate()
+
+
+def test_the_page_says_what_it_shows(station: Make, visit: Visit) -> None:
     here = station(enable_drive=False)
     page = visit(here.url)
     expect(page.locator("#kind")).to_have_text("real")
@@ -413,7 +437,7 @@ def test_map_and_plots_go_back_in_time_and_stop_stays_live(station: Make, visit:
     open_tab(page, "plots")
     page.locator("#map-past").click()
     page.locator("#past-at").fill("-120")
-    until(lambda: page.locator("#map").get_attribute("data-past"))
+    page.wait_for_function("document.getElementById('map').dataset.past")
     x_m, y_m, time_s, theta_rad = map(
         float, (page.locator("#map").get_attribute("data-past") or "").split()
     )
