@@ -12,6 +12,8 @@ import pytest
 from playwright.sync_api import Page, expect
 from station import Station, open_tab, ready, until
 
+import roburoc4.dashboard
+
 Visit = Callable[..., Page]
 Make = Callable[..., Station]
 
@@ -252,6 +254,15 @@ def test_the_page_asks_no_other_host_for_anything(station: Make, visit: Visit) -
         }"""
     )
     assert "127.0.0.1:9" in refused
+
+
+def test_the_page_stays_small() -> None:
+    static = Path(roburoc4.dashboard.__file__).parent / "static"
+    loaded = [
+        path for path in static.rglob("*.*") if path.suffix in (".html", ".js", ".css", ".svg")
+    ]
+    assert len(loaded) > 20
+    assert sum(path.stat().st_size for path in loaded) <= 200_000
 
 
 def test_a_clock_that_is_set_back_leaves_the_page_alive(

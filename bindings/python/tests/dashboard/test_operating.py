@@ -453,3 +453,37 @@ def test_map_and_plots_go_back_in_time_and_stop_stays_live(station: Make, visit:
     expect(page.locator("#past")).to_be_hidden()
     expect(page.locator("#map")).not_to_have_attribute("data-past", "")
     expect(page.locator("#plot-pause")).to_have_text("pause")
+
+
+# ---- the map's words ----
+
+WORDS = """
+window.words = new Map();
+const write = CanvasRenderingContext2D.prototype.fillText;
+CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
+  if (this.canvas.id === "map") words.set(text.replace(/^\\d[.]\\d\\d.*/, "distance"), [x, y]);
+  return write.call(this, text, x, y);
+};
+0;
+"""
+
+
+def test_a_distance_is_written_before_its_wall_and_a_way_before_it_begins(
+    station: Make, visit: Visit
+) -> None:
+    here = station(lease_s=1.0)
+    here.sim.clear_obstacles()
+    here.sim.add_wall(2.5, -3.0, 2.5, 3.0)
+    page = visit(here.url)
+    page.evaluate(WORDS)
+    page.locator("#map-out").click()  # so that the wall is in view
+    arm(page)
+    until(lambda: page.evaluate("words.has('distance')"))
+    _, y_px = page.evaluate("words.get('distance')")
+    height, scale = page.evaluate(
+        """(() => { const map = document.getElementById("map");
+            return [map.clientHeight, Number(map.dataset.view.split(" ")[2])]; })()"""
+    )
+    assert 0.7 < (height / 2 - y_px) / scale < 2.5
+    begin_to_go(page, "1")
+    until(lambda: page.evaluate("words.has('go here?')"))

@@ -12,7 +12,10 @@ from ..iocard import ChannelNames
 from ..notices import texts_of
 from ..records import (
     BatteryProperties,
+    BatteryStatus,
     DifferentialProperties,
+    DifferentialStatus,
+    LocalizationStatus,
     TelemeterProperties,
 )
 from ..replay import TEXT
@@ -25,8 +28,8 @@ _LINK_EVERY_S = 0.2
 _ABOUT_EVERY_S = 1.0
 _OVERDUE_PERIODS = 3.0
 _UNCONFIRMED = (StopOutcome.TIMED_OUT, StopOutcome.OVERRIDDEN)
-_PLUGGED_IN = (BatteryState.CHARGING, BatteryState.CHARGED)
-_POSE_ERROR = LocalizationFlag.INVALID | LocalizationFlag.ERROR
+_PLUGGED_IN = (int(BatteryState.CHARGING), int(BatteryState.CHARGED))
+_POSE_ERROR = int(LocalizationFlag.INVALID | LocalizationFlag.ERROR)
 _NOTES = {
     ("charger", True): ("plain", "the charger was plugged in"),
     ("charger", False): ("plain", "the charger was unplugged"),
@@ -69,7 +72,10 @@ class Frames:
         for level, text in texts_of(events, self._facts, facts):
             self._history.note(time_s, level, text)
         self._facts = facts
-        at_rest = self.at_rest = self._is_at_rest()
+        speeds = self._robot.latest("differential")
+        pose = self._robot.latest("localization")
+        battery = self._robot.latest("battery")
+        at_rest = self.at_rest = self._is_at_rest(speeds)
         if facts.stop_outcome not in _UNCONFIRMED:
             self._rested = False
         elif at_rest:  # which is as good as a confirmation
@@ -95,15 +101,15 @@ class Frames:
                 "missing": [service.name.lower() for service in facts.missing],
                 "stop_unconfirmed": not self._rested and facts.stop_outcome in _UNCONFIRMED,
                 "at_rest": at_rest,
-                **self._conditions(time_s),
+                **self._conditions(time_s, battery, pose),
                 "blocked": blocked(facts),
             },
             "stale": self._stale,
-            "speeds": self._speeds(time_s),
-            "pose": self._pose(time_s),
+            "speeds": self._speeds(time_s, speeds),
+            "pose": self._pose(time_s, pose),
             "distances_m": self._distances(),
             **self._inputs(),
-            "battery": self._battery(time_s),
+            "battery": self._battery(time_s, battery),
         }
 
     @property
@@ -111,19 +117,19 @@ class Frames:
         """Whether its values are current: those of a lost robot are not."""
         return self._robot.state is State.READY
 
-    def _is_at_rest(self) -> bool | None:
-        status = self._robot.latest("differential")
+    def _is_at_rest(self, status: DifferentialStatus | None) -> bool | None:
         if status is None or not self._fresh or "differential" in self._stale:
             return None
         speeds = status.current_linear_m_s, status.current_angular_rad_s
         return all(abs(speed) < STILL for speed in speeds)  # False for NaN
 
-    def _conditions(self, time_s: float) -> dict[str, bool]:
+    def _conditions(
+        self, time_s: float, battery: BatteryStatus | None, pose: LocalizationStatus | None
+    ) -> dict[str, bool]:
         """Return conditions that the library reports no events for, and note their changes."""
-        battery, pose = self._robot.latest("battery"), self._robot.latest("localization")
         now = {
             "charger": battery is not None and battery.state in _PLUGGED_IN,
-            "pose_error": pose is not None and bool(pose.flags & _POSE_ERROR),
+            "pose_error": pose is not None and bool(int(pose.flags) & _POSE_ERROR),
         }
         for name, on in now.items():
             if self._fresh and on != self._told.get(name, False):
@@ -131,15 +137,15 @@ class Frames:
                 self._history.note(time_s, *_NOTES[name, on])
         return now
 
-    def _speeds(self, time_s: float) -> list[float | None] | None:
-        status = self._robot.latest("differential")
+    def _speeds(
+        self, time_s: float, status: DifferentialStatus | None
+    ) -> list[float | None] | None:
         if status is None:
             return None
         self._history.add_speeds(time_s, status[1:5] if self._fresh else (math.nan,) * 4)
         return [number(speed) for speed in status[1:5]]
 
-    def _pose(self, time_s: float) -> Document | None:
-        status = self._robot.latest("localization")
+    def _pose(self, time_s: float, status: LocalizationStatus | None) -> Document | None:
         if status is None:
             return None
         if self._fresh:
@@ -163,8 +169,7 @@ class Frames:
             "digital": "".join("1" if on else "0" for on in status.digital_inputs),
         }
 
-    def _battery(self, time_s: float) -> Document | None:
-        status = self._robot.latest("battery")
+    def _battery(self, time_s: float, status: BatteryStatus | None) -> Document | None:
         if status is None:
             return None
         volts = self._volts()
