@@ -2,6 +2,7 @@
 """A dashboard in this process, so that tests see the page, the server and the robot at once."""
 
 import contextlib
+import math
 import os
 import socket
 import threading
@@ -12,9 +13,10 @@ from typing import Any
 from playwright.sync_api import Error, Page, expect
 
 import roburoc4
+from roburoc4.dashboard.camera import Camera
 from roburoc4.dashboard.fleet import Fleet
 from roburoc4.dashboard.guard import Rules
-from roburoc4.dashboard.hub import Camera, Hub
+from roburoc4.dashboard.hub import Hub
 from roburoc4.dashboard.panel import Panel
 from roburoc4.dashboard.server import Place, listen, make_server
 
@@ -37,7 +39,9 @@ window.makePad = (index = 0) => {
 window.hold = (button, value) => { window.pad.buttons[button] = { pressed: value > 0.5, value }; };
 navigator.getGamepads = () => [window.pad];
 """
-A, LT, RT = 0, 6, 7
+A, B, LB, RB, LT, RT = 0, 1, 4, 5, 6, 7
+NAME = "Chrome on Linux"
+"""What a page of these browsers is called until somebody gives it a name."""
 
 # A keyboard repeats the key that was pressed last until it is released. Playwright's keys do not
 # repeat, so this does it.
@@ -103,6 +107,7 @@ class Station:
         robots: Sequence[str] = ("",),
         cameras: Sequence[Camera] = (),
         client: roburoc4.Settings | None = None,
+        idle_s: float = math.inf,
         **settings: Any,
     ) -> None:
         self.sims = [roburoc4.Simulator(port=0, **settings) for _ in robots]
@@ -120,12 +125,13 @@ class Station:
             )
             for name, sim, robot in zip(robots, self.sims, self.robots, strict=True)
         ]
+        for hub in self.hubs:
+            hub.control.idle_s = idle_s
         self.sim, self.robot, self.hub = self.sims[0], self.robots[0], self.hubs[0]
         place = place or Place()
         self._socket = listen(place)
         self.port = self._socket.getsockname()[1]
-        urls = tuple(camera.url for camera in cameras)
-        rules = rules or Rules(None, names(self.port) if names else (), cameras=urls)
+        rules = rules or Rules(None, names(self.port) if names else ())
         ready = threading.Event()
         self.server = make_server(Fleet(self.hubs), place, rules, ready.set)
         self._thread = threading.Thread(target=self.server.run, args=([self._socket],), daemon=True)

@@ -6,11 +6,13 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
+from state_table import STATES
 from station import CHROMIUM, FAKE_PAD, Station, arm, hold_pad, open_tab, ready, until
 
 LAPTOP: dict[str, Any] = {"viewport": {"width": 1440, "height": 900}}
@@ -25,11 +27,13 @@ LYING = PHONE | {"viewport": {"width": 844, "height": 390}}
 
 
 @contextmanager
-def scene(browser: Browser, theme: str, size: dict[str, Any], **settings: Any) -> Iterator[Any]:
+def scene(
+    browser: Browser, theme: str, size: dict[str, Any], init: str = "", **settings: Any
+) -> Iterator[Any]:
     """A dashboard and a page that shows it."""
     here = Station(battery_percent=68.0, lease_s=1.0, **settings)  # pictures take their time
     context = browser.new_context(color_scheme=theme, **size)
-    context.add_init_script(FAKE_PAD)
+    context.add_init_script(FAKE_PAD + init)
     page = context.new_page()
     try:
         page.goto(here.url)
@@ -102,16 +106,103 @@ def inhibited(browser: Browser, folder: Path) -> None:
         here.sim.set("estop_remote", True)
         arm(page)
         hold_pad(page, rt=1.0)
-        page.get_by_text("MOTION INHIBITED").first.wait_for()
+        page.get_by_text("The robot did not follow its commands").first.wait_for()
         save(page, folder, "phone-inhibited")
+
+
+# Every frame that the page gets is changed into the state that is wanted.
+SHOWS = """
+window.wanted = null;
+const listen = WebSocket.prototype.addEventListener;
+const isTable = (value) => value && typeof value === "object" && !Array.isArray(value);
+const merge = (one, other) => {
+  const both = { ...one };
+  for (const [key, value] of Object.entries(other)) {
+    both[key] = isTable(value) ? merge(one[key] ?? {}, value) : value;
+  }
+  return both;
+};
+WebSocket.prototype.addEventListener = function (kind, handler) {
+  listen.call(this, kind, kind !== "message" ? handler : (event) => {
+    const message = JSON.parse(event.data);
+    if (message.type !== "frame" || !window.wanted) return handler(event);
+    return handler({ data: JSON.stringify(merge(message, window.wanted)) });
+  });
+};
+"""
+GALLERY_SIZES = ((1440, 900), (1024, 600), (720, 450), (667, 375), (320, 568), (390, 844))
+HEIGHT = 220
+
+
+def press_place(page: Page) -> None:
+    page.locator("#map-relocalize").click()
+
+
+def press_past(page: Page) -> None:
+    page.locator("#map-past").click()
+    page.locator("#past-at").fill("-3")
+
+
+def gallery(browser: Browser, folder: Path) -> None:
+    """Draw all states in all sizes and both themes as one page."""
+    folder = folder / "gallery"
+    folder.mkdir(exist_ok=True)
+    opens = {"place": press_place, "past": press_past} | {
+        f"tab {name}": partial(open_tab, name=name)
+        for name in ("plots", "events", "io", "link", "sim")
+    }
+    scenes = [(title, frame, None) for title, frame in STATES]
+    scenes += [("DISARMED", {"driver": None, "driver_name": None}, None)]
+    scenes += [("ARMED", {"facts": {"armed": True}}, name) for name in opens]
+    scenes += [("NO CONNECTION", {}, "gone")]
+    rows = []
+    with scene(
+        browser,
+        "light",
+        {"viewport": {"width": 1440, "height": 900}},
+        init=SHOWS,
+        panel=True,
+        robots=("RED", "BLUE"),
+    ) as (here, page):
+        drive_about(here, page, 3.0)
+        page.evaluate("hold(0, 0)")
+        for number, (title, frame, special) in enumerate(scenes):
+            page.evaluate("(frame) => { window.wanted = frame; }", {"why": "", **frame})
+            if special == "gone":
+                here.stop_serving()
+                page.get_by_text("NO CONNECTION").first.wait_for()
+            pictures = []
+            for theme in ("light", "dark"):
+                page.emulate_media(color_scheme=theme)
+                for width, height in GALLERY_SIZES:
+                    page.set_viewport_size({"width": width, "height": height})
+                    page.wait_for_timeout(150)
+                    if special in opens:
+                        opens[special](page)
+                    page.wait_for_timeout(150)
+                    name = f"{number:02}-{theme}-{width}x{height}.jpg"
+                    page.screenshot(path=folder / name, type="jpeg", quality=70)
+                    if special in opens:
+                        page.keyboard.press("Escape")
+                    pictures.append(
+                        f'<a href="{name}"><img src="{name}" height="{HEIGHT}" '
+                        f'alt="{title}, {theme}, {width} by {height}"></a>'
+                    )
+            rows.append(f"<h2>{title} {special or ''}</h2>" + "".join(pictures))
+    text = "<!doctype html><meta charset='utf-8'><title>The dashboard</title>" + "\n".join(rows)
+    (folder / "index.html").write_text(text, encoding="utf-8")
+    print(folder / "index.html")  # noqa: T201
+
+
+SCENES = (driving, panel, override, lost, inhibited)
 
 
 def main() -> None:
     folder, wanted = Path(sys.argv[1]), sys.argv[2:]
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        for take in (driving, panel, override, lost, inhibited):
-            if not wanted or take.__name__ in wanted:
+        for take in (*SCENES, gallery):
+            if take.__name__ in wanted or (not wanted and take is not gallery):
                 take(browser, folder)
         browser.close()
 

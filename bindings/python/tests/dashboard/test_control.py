@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from types import SimpleNamespace
-from typing import cast
+from typing import Any, cast
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -16,7 +16,7 @@ from station import until
 
 import roburoc4
 from roburoc4.dashboard.control import FORGOTTEN_S, Control, ControlError, Input, Viewer, limits_of
-from roburoc4.dashboard.going import Going
+from roburoc4.dashboard.going import Goal, Going
 from roburoc4.dashboard.ticks import Ticks
 
 LEASE_S = 0.25
@@ -144,7 +144,7 @@ def test_a_page_that_leaves_unarmed_takes_the_robot_from_nobody(scene: Scene) ->
 def test_another_place_waits_until_the_first_move_has_ended() -> None:
     under_way: list[float] = []
 
-    def goto(x_m: float, _: float, *, speed: float, on_progress: Callable[[None], None]) -> None:
+    def goto(x_m: float, *_: float, speed: float, on_progress: Any, **_rest: object) -> None:
         if under_way:
             raise roburoc4.RobotError("a move is under way", roburoc4.Result.STATE)
         under_way.append(x_m)
@@ -156,10 +156,10 @@ def test_another_place_waits_until_the_first_move_has_ended() -> None:
             under_way.clear()
 
     robot = cast(roburoc4.Robot, SimpleNamespace(now_s=0.0, goto=goto))
-    first = Going(robot, 1.0, 0.0, 0.5, math.inf)
+    first = Going(robot, Goal(1.0, 0.0, 1.0), 0.5, math.inf)
     until(lambda: under_way == [1.0])
     first.end()
-    second = Going(robot, 2.0, 0.0, 0.5, math.inf, first)
+    second = Going(robot, Goal(2.0, 0.0, 1.0), 0.5, math.inf, first)
     until(lambda: under_way == [2.0])
     second.end()
     until(lambda: not second.on)

@@ -8,7 +8,18 @@ from collections.abc import Callable
 import pytest
 from page_client import Visitor
 from playwright.sync_api import Page, expect
-from station import LEASE_S, Station, arm, drive, hold_pad, ready, take_control, until
+from station import (
+    LEASE_S,
+    NAME,
+    Station,
+    arm,
+    drive,
+    hold_pad,
+    open_tab,
+    ready,
+    take_control,
+    until,
+)
 
 from roburoc4.dashboard.guard import Rules
 from roburoc4.dashboard.hub import MOST_PAGES
@@ -23,6 +34,14 @@ FIRST_S = 0.7
 
 Visit = Callable[..., Page]
 Make = Callable[..., Station]
+
+
+def call(page: Page, name: str) -> None:
+    """Give a page a name, as its user does."""
+    ready(page)
+    open_tab(page, "link")
+    page.get_by_label("This page is called").fill(name)
+    page.keyboard.press("Tab")
 
 
 def armed(station: Make, visit: Visit) -> tuple[Station, Page]:
@@ -497,20 +516,22 @@ def test_the_page_says_where_a_browser_withholds_the_pad(station: Make, visit: V
 def test_a_second_page_drives_with_consent_only(station: Make, visit: Visit) -> None:
     here = station()
     first, second = visit(here.url), visit(here.url)
+    call(first, "lab phone")
+    call(second, "desk")
     arm(first)
-    expect(second.locator("#control")).to_have_text("Control: page 1")
+    expect(second.locator("#control")).to_have_text("Control: lab phone")
     hold_pad(second, rt=1.0)
     second.get_by_role("button", name="Ask for control").click()
-    expect(first.locator("#asked-by")).to_contain_text("Page 2 asks for control")
+    expect(first.locator("#asked-by")).to_contain_text("\u201cdesk\u201d wants to drive")
     time.sleep(2 * LEASE_S)
     assert here.speeds_sent() == 0
     assert here.robot.facts.armed
     first.get_by_role("button", name="Keep").click()
-    expect(second.locator("#drive-why")).to_have_text("page 1 keeps control")
+    expect(second.locator("#drive-why")).to_have_text("lab phone keeps control")
     second.get_by_role("button", name="Ask for control").click()
     first.get_by_role("button", name="Hand over").click()
     expect(second.locator("#control")).to_have_text("Control: this page")
-    expect(first.locator("#control")).to_have_text("Control: page 2")
+    expect(first.locator("#control")).to_have_text("Control: desk")
     assert not here.robot.facts.armed
     time.sleep(2 * LEASE_S)
     assert here.speeds_sent() == 0
@@ -538,7 +559,7 @@ def test_every_page_can_stop(station: Make, visit: Visit) -> None:
     begun_s = time.monotonic()
     assert here.wait_until_stopped(begun_s) < WITHIN_S
     assert not here.robot.facts.armed
-    expect(first.locator("#banner-text")).to_contain_text("STOP was pressed on page 2")
+    expect(first.locator("#banner-text")).to_contain_text(f"STOP was pressed on {NAME} 2")
 
 
 def test_a_page_that_only_watches_sends_the_robot_nothing(station: Make, visit: Visit) -> None:
@@ -576,9 +597,9 @@ def test_inhibited_motion_disarms_and_is_shown(station: Make, visit: Visit) -> N
     arm(page)
     hold_pad(page, rt=1.0)
     expect(page.locator("#banner-text")).to_contain_text(
-        "does not follow its commands. Check emergency stops"
+        "did not follow its commands: check emergency stops"
     )
-    expect(page.locator("#banner-title")).to_have_text("MOTION INHIBITED")
+    expect(page.locator("#banner-title")).to_have_text("DISARMED")  # nothing is commanded now
     expect(page.locator("#events")).to_contain_text("motion inhibited")
     assert not here.robot.facts.armed
     here.sim.set("estop_remote", False)

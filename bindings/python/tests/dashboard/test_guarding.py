@@ -2,6 +2,7 @@
 """Who is let in: Host, Origin, token, TLS, and the headers of every answer."""
 
 import http.client
+import socket
 import ssl
 import subprocess
 from collections.abc import Callable
@@ -10,7 +11,7 @@ from pathlib import Path
 import pytest
 from page_client import Visitor
 from playwright.sync_api import Page, expect
-from station import Station, ready
+from station import PATIENCE_S, Station, ready
 from websockets.exceptions import InvalidStatus
 
 from roburoc4.dashboard.guard import Guard, Rules
@@ -203,6 +204,33 @@ def test_a_websocket_without_the_token_is_refused(station: Make) -> None:
     for cookie in ({}, {"Cookie": f"roburoc4-{here.port}=wrong"}):
         with pytest.raises(InvalidStatus, match="403"):
             Visitor(here, additional_headers=cookie)
+
+
+@pytest.mark.parametrize("header", ["Sec-WebSocket-Protocol: \x01", "Cookie: \x7f"])
+def test_a_bad_handshake_is_closed_and_leaves_no_traceback(
+    header: str, station: Make, caplog: pytest.LogCaptureFixture
+) -> None:
+    here = station()
+    lines = [
+        "GET /socket HTTP/1.1",
+        f"Host: 127.0.0.1:{here.port}",
+        f"Origin: http://127.0.0.1:{here.port}",
+        "Upgrade: websocket",
+        "Connection: Upgrade",
+        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==",
+        "Sec-WebSocket-Version: 13",
+    ]
+    with socket.create_connection(("127.0.0.1", here.port), PATIENCE_S) as bad:
+        bad.sendall("\r\n".join([*lines, header, "", ""]).encode())
+        assert bad.recv(1000) == b""
+    with socket.create_connection(("127.0.0.1", here.port), PATIENCE_S) as bad:
+        bad.sendall("\r\n".join([*lines, "", ""]).encode())
+        assert bad.recv(1000).startswith(b"HTTP/1.1 101")
+        bad.sendall(b"\x81\x82\0\0\0\0\xff\xff")  # a text that is not UTF-8
+        while bad.recv(10000):
+            pass
+    here.stop_serving()
+    assert not any(record.exc_info for record in caplog.records)
 
 
 def test_the_link_opens_the_page_and_hides_its_token(

@@ -1,17 +1,31 @@
 # SPDX-License-Identifier: MIT
 """Stick and STOP stay where a finger or an eye expects them, whatever else the page shows."""
 
+import itertools
 from collections.abc import Callable
 from typing import Any
 
 import pytest
-from playwright.sync_api import Page, expect
-from station import LEASE_S, Finger, Station, arm, drive, open_tab, ready, take_control, until
+from playwright.sync_api import Page, Playwright, expect
+from station import (
+    CHROMIUM,
+    LEASE_S,
+    Finger,
+    Station,
+    arm,
+    drive,
+    open_tab,
+    ready,
+    take_control,
+    until,
+)
 
 Visit = Callable[..., Page]
 Make = Callable[..., Station]
 
-SIZES = [(1440, 900), (1024, 768), (1024, 600), (844, 390), (390, 844), (360, 640)]
+SMALL = [(720, 450), (683, 384), (667, 375), (512, 384), (320, 568)]
+"""A laptop at 200 % zoom, and small phones."""
+SIZES = [(1440, 900), (1024, 768), (1024, 600), (844, 390), (390, 844), (360, 640), *SMALL]
 PHONE: dict[str, Any] = {
     "viewport": {"width": 390, "height": 844},
     "has_touch": True,
@@ -125,6 +139,28 @@ def test_no_warning_moves_stick_or_stop(station: Make, visit: Visit) -> None:
         assert boxes_in_every_size(page) == before, title
 
 
+APART = """(name) => {
+    const box = document.getElementById(name).getBoundingClientRect();
+    const over = (other) => Math.min(box.right, other.right) > Math.max(box.left, other.left) + 1
+        && Math.min(box.bottom, other.bottom) > Math.max(box.top, other.top) + 1;
+    return [...document.querySelectorAll("#stop, #stick, #map, .speed, #scale, #banner, #take, "
+        + "#arm, #disarm, #leave, .tabs")]
+        .filter((node) => node.id !== name && node.checkVisibility())
+        .filter((node) => over(node.getBoundingClientRect()))
+        .map((node) => node.id || node.className);
+}"""
+READABLE = """(node) => {
+    const box = node.getBoundingClientRect();
+    const top = document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2);
+    return node.scrollWidth <= node.clientWidth + 1 || top === node;
+}"""
+TOO_SMALL = """() => [...document.querySelectorAll("button, input, select, summary, a")]
+    .filter((node) => node.checkVisibility({ visibilityProperty: true }))
+    .map((node) => (node.type === "checkbox" ? node.closest("label") : node))
+    .map((node) => [node.id || node.textContent, node.getBoundingClientRect()])
+    .filter(([, box]) => box.width < 43.5 || box.height < 43.5)
+    .map(([name, box]) => `${name}: ${box.width} by ${box.height}`)
+"""
 SEEN = """(name) => {
     const box = document.getElementById(name).getBoundingClientRect();
     const seen = (x, y) => document.elementFromPoint(x, y)?.closest(`#${name}`);
@@ -155,6 +191,97 @@ def test_stop_is_seen_whole_in_every_size(station: Make, visit: Visit) -> None:
     assert places[1:] == places[:-1], "it moved"
 
 
+@pytest.mark.parametrize("touch", [False, True])
+def test_everything_that_drives_is_whole_in_every_small_size(
+    touch: bool, station: Make, visit: Visit
+) -> None:
+    here = station(panel=True, battery_percent=3.0)
+    page = visit(here.url, has_touch=touch, is_mobile=touch)
+    arm(page)
+    for width, height in [*SMALL, (390, 844), (844, 390)]:
+        resize(page, (width, height))
+        for name in ("#stop", "#stick", "#map", "#disarm", "#banner", "#scale", "#name", "#mode"):
+            expect(page.locator(name)).to_be_in_viewport(ratio=0.99)
+        for name in ("stop", "stick", "scale"):
+            assert page.evaluate(APART, name) == [], (name, width, height)
+        for value in page.locator(".speed .value").all():
+            assert value.evaluate(READABLE), (width, height)
+        chart = page.locator("#map").bounding_box()
+        assert chart is not None
+        assert chart["height"] >= height / 3 - 1, (width, height)
+        assert chart["width"] >= width / 3 - 1, (width, height)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_targets_are_large_enough_for_fingers(station: Make, visit: Visit) -> None:
+    here = station(panel=True, robots=("RED", "BLUE"))
+    page = visit(here.url, has_touch=True, is_mobile=True)
+    arm(page)
+    for size in ((320, 568), (667, 375), (390, 844)):
+        resize(page, size)
+        for tab in ("plots", "events", "link", "sim", ""):
+            if tab:
+                open_tab(page, tab)
+            else:
+                page.locator("#tab-sim").click()
+                page.locator("#map-relocalize").click()
+            assert page.evaluate(TOO_SMALL) == [], (size, tab)
+        page.keyboard.press("Escape")  # so that the next size begins with the map
+
+
+def test_letters_grow_with_the_browser_s(playwright: Playwright, station: Make) -> None:
+    here = station(panel=True)
+    browser = playwright.chromium.launch(
+        executable_path=CHROMIUM, args=["--no-sandbox", "--blink-settings=defaultFontSize=24"]
+    )
+    page = browser.new_page(viewport={"width": 1440, "height": 900})
+    page.goto(here.url)
+    ready(page)
+    size = page.locator("#banner-text").evaluate("(node) => getComputedStyle(node).fontSize")
+    assert float(size.removesuffix("px")) == pytest.approx(14 * 1.5)
+    for name in ("#stop", "#stick", "#map", "#take", "#banner", "#scale", "#name", "#mode"):
+        expect(page.locator(name)).to_be_in_viewport(ratio=0.99)
+    browser.close()
+
+
+def test_headings_miss_no_level_in_any_size(station: Make, visit: Visit) -> None:
+    page = visit(station().url)
+    ready(page)
+    open_tab(page, "link")
+    for size in SIZES:
+        resize(page, size)
+        levels = page.evaluate(
+            """[...document.querySelectorAll("h1, h2, h3")].filter((node) => node.checkVisibility())
+                .map((node) => Number(node.tagName[1]))"""
+        )
+        assert levels[0] == 1, size
+        assert all(after <= before + 1 for before, after in itertools.pairwise(levels))
+
+
+def test_tabs_do_not_jump_when_they_are_chosen(station: Make, visit: Visit) -> None:
+    page = visit(station(panel=True).url)
+    ready(page)
+    places = []
+    for name in ("plots", "events", "io", "link", "sim"):
+        open_tab(page, name)
+        places.append([tab.bounding_box() for tab in page.get_by_role("tab").all()])
+    assert places[1:] == places[:-1]
+
+
+def test_high_contrast_keeps_what_colour_tells(station: Make, visit: Visit) -> None:
+    page = visit(station().url, forced_colors="active")
+    ready(page)
+    arm(page)
+    fills = "(node) => getComputedStyle(node).backgroundColor"
+    assert page.locator("#mode").evaluate(fills) != page.locator("body").evaluate(fills)
+    assert page.locator("#stop").evaluate(fills) == "rgb(192, 0, 24)"
+    more = visit(page.url, contrast="more")
+    ready(more)
+    assert more.locator("#link-say").evaluate(
+        "(node) => getComputedStyle(node).color"
+    ) == more.locator("#asked").evaluate("(node) => getComputedStyle(node).color")
+
+
 def test_who_asks_for_control_is_answered_in_every_size(station: Make, visit: Visit) -> None:
     here = station()
     page, other = visit(here.url, has_touch=True), visit(here.url)
@@ -175,19 +302,3 @@ def test_a_finger_presses_stop(station: Make, visit: Visit) -> None:
     drive(here, page)
     page.locator("#stop").tap()
     here.wait_for_stop_pressed()
-
-
-@pytest.mark.both
-def test_space_switches_a_check_box_and_stops_elsewhere(station: Make, visit: Visit) -> None:
-    here = station(panel=True)
-    page = visit(here.url)
-    arm(page)
-    open_tab(page, "sim")
-    page.locator("#sim input[name=estop_local]").focus()
-    page.keyboard.press("Space")
-    until(lambda: here.sim.state.estop_local)
-    page.wait_for_timeout(300)
-    assert here.robot.facts.armed
-    page.locator("#scale").focus()
-    page.keyboard.press("Space")
-    until(lambda: not here.robot.facts.armed)

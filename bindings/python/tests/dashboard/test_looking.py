@@ -12,6 +12,8 @@ import pytest
 from playwright.sync_api import Page, expect
 from station import Station, open_tab, ready, until
 
+import roburoc4.dashboard
+
 Visit = Callable[..., Page]
 Make = Callable[..., Station]
 
@@ -254,6 +256,15 @@ def test_the_page_asks_no_other_host_for_anything(station: Make, visit: Visit) -
     assert "127.0.0.1:9" in refused
 
 
+def test_the_page_stays_small() -> None:
+    static = Path(roburoc4.dashboard.__file__).parent / "static"
+    loaded = [
+        path for path in static.rglob("*.*") if path.suffix in (".html", ".js", ".css", ".svg")
+    ]
+    assert len(loaded) > 20
+    assert sum(path.stat().st_size for path in loaded) <= 200_000
+
+
 def test_a_clock_that_is_set_back_leaves_the_page_alive(
     station: Make, visit: Visit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -274,6 +285,7 @@ def test_the_theme_can_be_chosen_and_is_kept(station: Make, visit: Visit) -> Non
     page = visit(here.url, color_scheme="dark")
     root = page.locator("html")
     expect(root).to_have_attribute("data-theme", "dark")
+    open_tab(page, "link")
     page.locator("#theme").click()
     expect(root).to_have_attribute("data-theme", "light")
     page.reload()

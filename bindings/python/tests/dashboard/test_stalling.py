@@ -183,6 +183,22 @@ def test_nonsense_ends_the_connection_and_nothing_else(
     assert not caplog.records
 
 
+@pytest.mark.parametrize("goal", [{"x_m": 2000.0}, {"clearance_m": -1.0}, {"y_m": -1001.0}])
+def test_a_place_that_cannot_be_costs_neither_connection_nor_control(
+    goal: dict[str, float], station: Make
+) -> None:
+    here = station()
+    with Visitor(here) as driver:
+        driver.arm()
+        driver.refusals.clear()  # of arming, on a loaded machine
+        driver.say("go", tick=driver.tick, **{"x_m": 1.0, "y_m": 0.0, "scale": 0.5} | goal)
+        while not driver.refusals:
+            driver.draw(0.0)
+        assert here.hub.control.driver is not None
+        assert here.hub.control.begun == []
+        assert "going to a place was refused" in here.hub._history.events[-1].text
+
+
 @pytest.mark.parametrize("line", ["pad \ud800", "estop l\u00f6cal press", "\ud800"])
 def test_a_panel_line_of_other_letters_is_refused(
     line: str, station: Make, caplog: pytest.LogCaptureFixture

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Recording, events, place, cameras, several robots; use by keyboard and by screen reader."""
 
+import contextlib
 import csv
 import http.server
 import io
@@ -28,7 +29,8 @@ from station import (
 from test_looking import REFUSED
 
 import roburoc4
-from roburoc4.dashboard.hub import Camera, Hub
+from roburoc4.dashboard.camera import Camera
+from roburoc4.dashboard.hub import Hub
 
 Visit = Callable[..., Page]
 Make = Callable[..., Station]
@@ -145,16 +147,26 @@ def test_a_drag_on_the_map_sets_the_robots_pose(station: Make, visit: Visit) -> 
 # ---- cameras ----
 
 
+RUNS = threading.Event()
+"""Whether the camera makes pictures."""
+
+
 class Pictures(http.server.BaseHTTPRequestHandler):
-    """A camera server with one red picture."""
+    """A camera server with red pictures, one after the other while it runs."""
 
     def do_GET(self) -> None:
         picture = io.BytesIO()
-        Image.new("RGB", (64, 48), "red").save(picture, "PNG")
+        Image.new("RGB", (64, 48), "red").save(picture, "JPEG")
+        data = picture.getvalue()
         self.send_response(200)
-        self.send_header("Content-Type", "image/png")
+        self.send_header("Content-Type", "multipart/x-mixed-replace; boundary=next")
         self.end_headers()
-        self.wfile.write(picture.getvalue())
+        head = f"--next\r\nContent-Type: image/jpeg\r\nContent-Length: {len(data)}\r\n\r\n"
+        with contextlib.suppress(OSError):  # the dashboard has enough
+            while True:
+                if RUNS.is_set():
+                    self.wfile.write(head.encode() + data + b"\r\n")
+                time.sleep(0.05)
 
     def log_message(self, *_: object) -> None:
         """Log nothing."""
@@ -162,6 +174,7 @@ class Pictures(http.server.BaseHTTPRequestHandler):
 
 @pytest.fixture
 def camera() -> Iterator[str]:
+    RUNS.set()
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Pictures) as serving:
         threading.Thread(target=serving.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{serving.server_port}/stream.mjpg"
@@ -175,6 +188,9 @@ def test_a_camera_is_shown_and_no_other_picture(camera: str, station: Make, visi
     ready(page)
     picture = page.get_by_alt_text("camera front")
     until(lambda: picture.evaluate("(node) => node.naturalWidth") == 64)
+    wide = page.locator("#map").evaluate("(node) => node.clientWidth")
+    page.get_by_role("button", name="camera front large").click()
+    until(lambda: page.locator("#map").evaluate("(node) => node.clientWidth") < 0.6 * wide)
     refused = page.evaluate(
         """(url) => new Promise((resolve) => {
             addEventListener("securitypolicyviolation", (event) => resolve(event.blockedURI));
@@ -183,6 +199,24 @@ def test_a_camera_is_shown_and_no_other_picture(camera: str, station: Make, visi
         camera.replace("stream.mjpg", "other.mjpg"),
     )
     assert refused.endswith("other.mjpg")
+
+
+def test_a_picture_that_is_old_says_so_and_a_dead_camera_takes_no_room(
+    camera: str, station: Make, visit: Visit
+) -> None:
+    here = station(cameras=[Camera("front", camera)])
+    page = visit(here.url)
+    ready(page)
+    caption = page.locator("figcaption")
+    expect(page.locator("figure[data-state=live]")).to_be_visible()
+    expect(caption).to_have_text("front")
+    RUNS.clear()
+    expect(caption).to_contain_text("front: no new picture for")
+    wide = page.locator("#map").evaluate("(node) => node.clientWidth")
+    expect(page.locator("figure[data-state=dead]")).to_be_visible()
+    until(lambda: page.locator("#map").evaluate("(node) => node.clientWidth") > 1.3 * wide)
+    RUNS.set()
+    expect(caption).to_have_text("front")
 
 
 # ---- several robots ----
@@ -199,10 +233,11 @@ def test_the_chosen_robot_is_driven_and_stop_stops_all(station: Make, visit: Vis
     drive(here, red)
     assert here.sims[1].state.nonzero_speed_commands == 0
     expect(blue.get_by_role("button", name="STOP ALL")).to_be_visible()
+    name = here.hubs[1].control.driver.name
     blue.locator("#stop").click()
     until(lambda: not any(robot.facts.armed for robot in here.robots))
     until(lambda: not here.driven)
-    expect(red.locator("#banner-text")).to_contain_text("STOP was pressed on page 2")
+    expect(red.locator("#banner-text")).to_contain_text(f"STOP was pressed on {name}")
 
 
 def test_choosing_another_robot_stops_the_one_before(station: Make, visit: Visit) -> None:

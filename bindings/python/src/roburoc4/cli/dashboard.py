@@ -39,7 +39,6 @@ _SLOWEST_DRIVEN_MS = 100
 """To arm, statuses must not be older than 300 ms; one may get lost."""
 _NAME = re.compile(r"([\w.-]+|\[[0-9a-f:]+\])(:\d{1,5})?", re.ASCII | re.IGNORECASE)
 _ROBOT_NAME = re.compile(r"[\w-]{1,20}", re.ASCII)
-# These characters would end a part of the content security policy.
 _CAMERA = re.compile(r"https?://[\w.:\[\]-]+(/[^\s;,'\"]*)?", re.ASCII)
 _DESKTOPS = ("DISPLAY", "WAYLAND_DISPLAY")
 
@@ -188,8 +187,7 @@ def run(options: DashboardOptions) -> int:
 
     place = _place(options, server.Place)
     cameras = _cameras(options)
-    urls = tuple(url for _, url in cameras)
-    rules = Rules(_token(options, place.loopback), _names(options), place.secure, urls)
+    rules = Rules(_token(options, place.loopback), _names(options), place.secure)
     try:
         server.check_certificate(place)
         opened = server.listen(place)
@@ -219,7 +217,8 @@ def _hub(
     simulator: Simulator | None,
     cameras: list[tuple[str, str]],
 ) -> Hub:
-    from roburoc4.dashboard.hub import Camera, Hub
+    from roburoc4.dashboard.camera import Camera
+    from roburoc4.dashboard.hub import Hub
     from roburoc4.dashboard.panel import Panel
 
     return Hub(

@@ -78,9 +78,23 @@ def _without_link(state: State, fault: Fault, link: Link, heard: int, address: s
     return Advice("weak", f"{state.name.lower()}: the robot answers", "wait a moment")
 
 
+_PAST = {
+    Result.OVERRIDE: "somebody held [A] on the robot's game pad",
+    Result.INHIBITED: "the robot did not follow its commands: check emergency stops, brakes "
+    "selector and bumpers, then arm again",
+    Result.STOPPED: "the robot was stopped",
+    Result.LAPSED: "inputs came too late, so the robot was stopped",
+    Result.LOST: "the robot was lost",
+    Result.REBOOT: "the robot restarted",
+    Result.OTHER_COMMANDER: "another program commanded the robot",
+    Result.MOVING: "the robot moved without a command from here",
+    Result.OVERRIDE_UNKNOWN: "it was not known whether the robot's game pad was in use",
+}
+
+
 def why_disarmed(code: int) -> str:
-    """Return why it was disarmed: the part that stays true after the reason has gone."""
-    return why_not_armed(code).partition(":")[0]
+    """Return why it was disarmed, as something past: the reason may have gone meanwhile."""
+    return _PAST.get(Result(code)) or f"it was disarmed: {why_not_armed(code).partition(':')[0]}"
 
 
 def why_not_armed(code: int) -> str:

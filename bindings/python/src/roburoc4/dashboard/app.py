@@ -18,6 +18,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from .camera import Feed
 from .fleet import Fleet
 from .guard import Guard, Rules
 from .hub import MOST_PAGES, Hub, Page
@@ -68,9 +69,18 @@ def application(fleet: Fleet, rules: Rules) -> ASGIApp:
         media_type = "text/csv" if form == "csv" else "application/octet-stream"
         return FileResponse(path, media_type=media_type, filename=f"{name}.{form}")
 
+    feeds = [Feed(camera) for camera in fleet.hubs[0].cameras]
+
+    async def camera(request: Request) -> Response:
+        index, after = int(request.path_params["index"]), request.query_params.get("after", "")
+        if index >= len(feeds) or not after.isdecimal():
+            return PlainTextResponse("There is no such picture.\n", 404)
+        return await feeds[index].next(int(after[:12]))
+
     routes = [
         Route("/", page),
         Route("/recording.{form}", recording),
+        Route("/camera/{index:int}", camera),
         WebSocketRoute("/socket", socket),
         Mount("/static", StaticFiles(directory=STATIC)),
     ]

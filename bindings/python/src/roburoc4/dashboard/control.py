@@ -13,11 +13,11 @@ import math
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from ..constants import Result
+from ..constants import State
 from ..errors import NotArmedError
 from ..robot import Robot
 from .advice import why_disarmed, why_not_armed
-from .going import Going
+from .going import Goal, Going
 from .ticks import Ticks
 
 SHORTEST_LEASE_S = 0.02
@@ -25,6 +25,8 @@ SHORTEST_LEASE_S = 0.02
 HELD_UP_S = 0.02
 """A delay before the command lengthens its lease; after a longer delay it is sent again."""
 _ATTEMPTS = 3
+IDLE_S = 5.0
+"""Whose page drives nothing for this long can be relieved while the robot stands."""
 FORGOTTEN_S = 30.0
 """A driver's page that shows nothing for this long loses control."""
 
@@ -76,10 +78,15 @@ class Viewer:
     """What control needs to know about a page."""
 
     number: int
+    name: str = ""
+    """As its user calls it."""
     sent_tick: int = 0
     """The newest tick that was sent to it."""
     heard_s: float = field(default=-math.inf)
     """When it last showed a frame."""
+
+    def __post_init__(self) -> None:
+        self.name = self.name or f"page {self.number}"
 
 
 class Control:
@@ -99,17 +106,16 @@ class Control:
         self.dropped = 0
         """Inputs that were too old, or answered no tick of this page."""
         self.going: Going | None = None
+        self.begun: list[Going] = []
+        """Moves that nobody has noted yet."""
+        self.idle_s = IDLE_S
+        self._active_s = -math.inf
         self._gone: Going | None = None
         self._armed = False
         self._floor = 0
         self.must_let_go = True
         """All inputs must be released once before anything moves."""
         self._lease_end_s: float | None = None
-
-    @property
-    def stood_still(self) -> bool:
-        """Whether it was disarmed because it did not move, and is still being driven from here."""
-        return self.driver is not None and self._robot.facts.disarm_cause == Result.INHIBITED
 
     # ---- taking and giving up ----
 
@@ -121,6 +127,7 @@ class Control:
             raise ControlError("another page drives: wait until it releases control")
         if self.driver is None:
             self.driver = page
+            self._active_s = self._robot.now_s
             self._begin_anew("")
 
     def ask(self, page: Viewer) -> None:
@@ -134,6 +141,20 @@ class Control:
             raise ControlError("another page has already asked: wait for the answer")
         else:
             self.asker = page
+
+    def is_idle(self, now_s: float) -> bool:
+        """Whether the driver has driven nothing for a while."""
+        driven = self.going is not None or self._robot.facts.driving
+        return self.driver is not None and not driven and now_s - self._active_s >= self.idle_s
+
+    def relieve(self, page: Viewer, now_s: float, *, at_rest: bool) -> None:
+        """Take control from a driver that drives nothing, while the robot stands."""
+        if self.driver not in (None, page):
+            if not (at_rest and self.is_idle(now_s)):
+                raise ControlError(f"{self.driver.name} drives: ask for control")
+            self.asker = None
+            self.leave(self.driver)
+        self.take(page)
 
     def keep(self, page: Viewer) -> Viewer | None:
         """Deny control to the page that asks for it; return that page."""
@@ -181,6 +202,7 @@ class Control:
         except NotArmedError as error:
             raise ControlError(why_not_armed(error.code)) from None
         self._armed = True
+        self._active_s = now_s
 
     def disarm(self, page: Viewer, why: str = "") -> None:
         """Stop and disarm, if this page has control."""
@@ -192,7 +214,7 @@ class Control:
         if not self.offered:
             raise ControlError("this dashboard only watches, and sends the robot no command at all")
         self._robot.stop()
-        self._end_driving(f"STOP was pressed on page {page.number}")
+        self._end_driving(f"STOP was pressed on {page.name}")
 
     def close(self) -> None:
         """End everything."""
@@ -220,6 +242,7 @@ class Control:
         if inputs.neutral:
             self._let_go()
             return
+        self._active_s = now_s
         if not self._robot.facts.armed:
             self.must_let_go = True
             return
@@ -230,25 +253,25 @@ class Control:
         if not self.must_let_go:
             self._command(inputs, now_s + left_s)
 
-    def go(
-        self, page: Viewer, tick: int, x_m: float, y_m: float, scale: float, now_s: float
-    ) -> None:
+    def go(self, page: Viewer, tick: int, goal: Goal, now_s: float) -> None:
         """Let the robot go to a place by itself, as long as this page keeps allowing it."""
         self.check_driver(page)
         left_s = self._lease_left_s(page, tick, now_s)
         if left_s is None:
             raise ControlError("the page is late: its link is slow or stalled; try again")
-        speed = scale * self.limits.linear_m_s[1]
+        speed = goal.scale * self.limits.linear_m_s[1]
         if not self._robot.facts.armed or not speed > 0.0:
             raise ControlError("the robot is disarmed: arm it first")
         self._end_going()
         self.why = ""
-        self.going = Going(self._robot, x_m, y_m, speed, now_s + left_s, self._gone)
+        self.going = Going(self._robot, goal, speed, now_s + left_s, self._gone)
+        self.begun.append(self.going)
 
     def _end_going(self) -> None:
         if self.going is not None:
             self.going.end()
             self._gone, self.going = self.going, None
+            self._active_s = self._robot.now_s
 
     def _let_go(self) -> None:
         facts = self._robot.facts
@@ -302,6 +325,8 @@ class Control:
         facts = self._robot.facts
         if self.driver is None:
             return
+        if self.why and self._robot.state is not State.READY:
+            self.why = "the robot was lost"
         if self.going is not None and not self.going.on:
             self.why = self.going.why and f"it did not arrive: {self.going.why}"
             self.going = None

@@ -34,7 +34,13 @@ class Fleet:
         """Stop and disarm all robots."""
         for hub in self.hubs:
             hub.control.stop(page)
-            hub.note("bad", f"STOP was pressed on page {page.number}")
+            hub.note("bad", f"STOP was pressed on {page.name}")
+
+    def rename(self, page: Page, name: str) -> None:
+        """Call a page as its user wishes; with a number if another one has that name."""
+        taken = {other.name for hub in self.hubs for other in hub.pages if other is not page}
+        names = itertools.chain((name,), (f"{name} {number}" for number in itertools.count(2)))
+        page.name = next(free for free in names if free not in taken)
 
     @property
     def failure(self) -> BaseException | None:

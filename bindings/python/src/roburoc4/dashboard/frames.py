@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..constants import BatteryState, Count, Event, Role, State, StopOutcome
+from ..constants import BatteryState, Count, Event, LocalizationFlag, Role, State, StopOutcome
 from ..errors import NotKnownError
 from ..latest import latest
 from ..notices import texts_of
@@ -21,15 +21,26 @@ from ..records import (
     TelemeterProperties,
     TelemeterStatus,
 )
+from ..replay import TEXT
 from ..robot import Robot
 from ..settings import STATUS_SERVICES
-from .advice import advise, blocked
+from .advice import STALE_MS, advise, blocked
 from .history import History, number
 
 _LINK_EVERY_S = 0.2
 _ABOUT_EVERY_S = 1.0
 _OVERDUE_PERIODS = 3.0
 _UNCONFIRMED = (StopOutcome.TIMED_OUT, StopOutcome.OVERRIDDEN)
+_PLUGGED_IN = (int(BatteryState.CHARGING), int(BatteryState.CHARGED))
+_POSE_ERROR = int(LocalizationFlag.INVALID | LocalizationFlag.ERROR)
+_NOTES = {
+    ("charger", True): ("plain", "the charger was plugged in"),
+    ("charger", False): ("plain", "the charger was unplugged"),
+    ("pose_error", True): ("weak", "the localization reports an error: do not trust the pose"),
+    ("pose_error", False): ("plain", "the localization works again"),
+}
+STILL = 0.02
+"""Below this, in m/s and rad/s, it stands."""
 _CHANGES = Event.READY | Event.PROPERTIES | Event.DESCRIPTION | Event.DESCRIPTIONS_DONE | Event.ROLE
 
 Document = dict[str, Any]
@@ -43,6 +54,11 @@ class Frames:
         self._events = robot.events()
         self._history = history
         self._link: Document = {}
+        self._stale: list[str] = []
+        self._rested = True
+        self._told: dict[str, bool] = {}
+        self.at_rest: bool | None = None
+        """Whether it stands, by its measured speeds; None: not known."""
         self._link_due_s = -math.inf
         self._about: Document = {}
         self._about_due_s = -math.inf
@@ -59,6 +75,14 @@ class Frames:
         for level, text in texts_of(events, self._facts, facts):
             self._history.note(time_s, level, text)
         self._facts = facts
+        speeds = latest(self._robot, DifferentialStatus)
+        pose = latest(self._robot, LocalizationStatus)
+        battery = latest(self._robot, BatteryStatus)
+        at_rest = self.at_rest = self._is_at_rest(speeds)
+        if facts.stop_outcome not in _UNCONFIRMED:
+            self._rested = False
+        elif at_rest:  # which is as good as a confirmation
+            self._rested = True
         if events & _CHANGES:
             self._about_old = True
         if now_s >= self._link_due_s:
@@ -78,14 +102,17 @@ class Frames:
                 "rear_bumper": facts.rear_bumper,
                 "battery_low": facts.battery_low,
                 "missing": [service.name.lower() for service in facts.missing],
-                "stop_unconfirmed": facts.stop_outcome in _UNCONFIRMED,
+                "stop_unconfirmed": not self._rested and facts.stop_outcome in _UNCONFIRMED,
+                "at_rest": at_rest,
+                **self._conditions(time_s, battery, pose),
                 "blocked": blocked(facts),
             },
-            "speeds": self._speeds(time_s),
-            "pose": self._pose(time_s),
+            "stale": self._stale,
+            "speeds": self._speeds(time_s, speeds),
+            "pose": self._pose(time_s, pose),
             "distances_m": self._distances(),
             **self._inputs(),
-            "battery": self._battery(time_s),
+            "battery": self._battery(time_s, battery),
         }
 
     @property
@@ -93,18 +120,39 @@ class Frames:
         """Whether its values are current: those of a lost robot are not."""
         return self._robot.state is State.READY
 
-    def _speeds(self, time_s: float) -> list[float | None] | None:
-        status = latest(self._robot, DifferentialStatus)
+    def _is_at_rest(self, status: DifferentialStatus | None) -> bool | None:
+        if status is None or not self._fresh or "differential" in self._stale:
+            return None
+        speeds = status.current_linear_m_s, status.current_angular_rad_s
+        return all(abs(speed) < STILL for speed in speeds)  # False for NaN
+
+    def _conditions(
+        self, time_s: float, battery: BatteryStatus | None, pose: LocalizationStatus | None
+    ) -> dict[str, bool]:
+        """Return conditions that the library reports no events for, and note their changes."""
+        now = {
+            "charger": battery is not None and battery.state in _PLUGGED_IN,
+            "pose_error": pose is not None and bool(int(pose.flags) & _POSE_ERROR),
+        }
+        for name, on in now.items():
+            if self._fresh and on != self._told.get(name, False):
+                self._told[name] = on
+                self._history.note(time_s, *_NOTES[name, on])
+        return now
+
+    def _speeds(
+        self, time_s: float, status: DifferentialStatus | None
+    ) -> list[float | None] | None:
         if status is None:
             return None
         self._history.add_speeds(time_s, status[1:5] if self._fresh else (math.nan,) * 4)
         return [number(speed) for speed in status[1:5]]
 
-    def _pose(self, time_s: float) -> Document | None:
-        status = latest(self._robot, LocalizationStatus)
+    def _pose(self, time_s: float, status: LocalizationStatus | None) -> Document | None:
         if status is None:
             return None
-        self._history.add_place(time_s, status.x_m, status.y_m)
+        if self._fresh:
+            self._history.add_place(time_s, status.x_m, status.y_m, status.theta_rad)
         return {
             "x_m": number(status.x_m),
             "y_m": number(status.y_m),
@@ -124,8 +172,7 @@ class Frames:
             "digital": "".join("1" if on else "0" for on in status.digital_inputs),
         }
 
-    def _battery(self, time_s: float) -> Document | None:
-        status = latest(self._robot, BatteryStatus)
+    def _battery(self, time_s: float, status: BatteryStatus | None) -> Document | None:
         if status is None:
             return None
         volts = self._volts()
@@ -152,12 +199,15 @@ class Frames:
         link = self._robot.link
         services = {}
         oldest_ms = 0.0
+        self._stale = []
         for name, service in STATUS_SERVICES.items():
             figures = self._robot.service_link(service)
             age_ms = None if figures.age_us is None else figures.age_us / 1000
             if age_ms is not None and figures.subscribed:
                 overdue = age_ms > _OVERDUE_PERIODS * figures.period_us / 1000
                 oldest_ms = max(oldest_ms, age_ms if overdue else 0.0)
+                if overdue and age_ms > STALE_MS:
+                    self._stale.append(name)
             services[name] = {
                 "period_ms": figures.period_us / 1000,
                 "age_ms": None if age_ms is None else round(age_ms),
@@ -209,6 +259,7 @@ class Frames:
         self._volts_index = self._robot.role_index(Role.BATTERY_V)
         return {
             "address": self._robot.address,
+            "recorded": any(TEXT in service.name for service in properties.services),
             "telemeter": [_numbers(telemeter) for telemeter in properties.telemeter],
             "battery": _numbers(properties.battery),
             "differential": _numbers(properties.differential),

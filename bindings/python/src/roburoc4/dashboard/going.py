@@ -4,14 +4,28 @@
 from __future__ import annotations
 
 import threading
+from typing import NamedTuple
 
 from ..errors import RobotError
 from ..moves import STEP_S, MoveResult
 from ..robot import Robot
 
+ENDED = "the move was ended"
+
 
 class _EndedError(Exception):
     """Nobody watches any more, or the driver took over."""
+
+
+class Goal(NamedTuple):
+    """Where to go, and how."""
+
+    x_m: float
+    y_m: float
+    scale: float
+    """Share of full speed."""
+    clearance_m: float | None = None
+    """None: what moves keep by default."""
 
 
 class Going:
@@ -20,18 +34,18 @@ class Going:
     def __init__(
         self,
         robot: Robot,
-        x_m: float,
-        y_m: float,
+        goal: Goal,
         speed: float,
         end_s: float,
         before: Going | None = None,
     ) -> None:
         """Begin when ``before``, which was ended, has stopped."""
-        self.place = (x_m, y_m)
+        self.place = (goal.x_m, goal.y_m)
+        self.speed = speed
+        self._clearance_m = goal.clearance_m
         self.why = ""
         """Why it did not arrive."""
         self._robot = robot
-        self._speed = speed
         self._ended = False
         self.renew(end_s)
         self._thread = threading.Thread(target=self._go, args=(before,), daemon=True)
@@ -54,9 +68,14 @@ class Going:
         if before is not None:
             before._thread.join()  # it stops the robot as its last act
         try:
-            self._robot.goto(*self.place, speed=self._speed, on_progress=self._look)
+            self._robot.goto(
+                *self.place,
+                speed=self.speed,
+                clearance=self._clearance_m,
+                on_progress=self._look,
+            )
         except _EndedError:
-            self.why = "the move was ended"
+            self.why = ENDED
         except RobotError as error:
             self.why = str(error)
 

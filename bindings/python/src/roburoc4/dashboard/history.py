@@ -14,6 +14,7 @@ SPEED_ROWS = 3000
 BATTERY_EVERY_S = 10.0
 BATTERY_ROWS = 4320
 PATH_STEP_M = 0.03
+PATH_STEP_RAD = 0.1
 PATH_ROWS = 4000
 EVENT_ROWS = 200
 _TREND_ROWS = 60
@@ -78,12 +79,12 @@ class History:
     def __init__(self) -> None:
         self.speeds = Ring(5, SPEED_ROWS)
         self.battery = Ring(3, BATTERY_ROWS)
-        self.path = Ring(3, PATH_ROWS)
+        self.path = Ring(4, PATH_ROWS)
         self.events: deque[Notice] = deque(maxlen=EVENT_ROWS)
         self._latest_s = -math.inf
         self._speed_due_s = -math.inf
         self._battery_due_s = -math.inf
-        self._place = (math.inf, math.inf)
+        self._place = (math.inf, math.inf, math.inf)
 
     @property
     def last_event(self) -> int:
@@ -116,12 +117,13 @@ class History:
             self._speed_due_s = self._battery_due_s = -math.inf
         self._latest_s = time_s
 
-    def add_place(self, time_s: float, x_m: float, y_m: float) -> None:
-        """Store a place if it differs from the last."""
+    def add_place(self, time_s: float, x_m: float, y_m: float, theta_rad: float) -> None:
+        """Store a pose if it differs from the last."""
         moved_m = math.hypot(x_m - self._place[0], y_m - self._place[1])
-        if moved_m >= PATH_STEP_M:  # False for NaN.
-            self._place = (x_m, y_m)
-            self.path.append((x_m, y_m, time_s))
+        turned_rad = abs(theta_rad - self._place[2])
+        if moved_m >= PATH_STEP_M or turned_rad >= PATH_STEP_RAD:  # False for NaN.
+            self._place = (x_m, y_m, theta_rad)
+            self.path.append((x_m, y_m, time_s, theta_rad))
 
     def trend_percent_h(self) -> float | None:
         """Return the battery's trend in percent per hour; None while it is unknown."""

@@ -13,12 +13,14 @@ import itertools
 import json
 import time
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from .. import __version__
 from ..robot import Robot
+from .camera import Camera
 from .control import Control, Viewer, limits_of
 from .frames import Frames
+from .going import ENDED, Going
 from .history import History, Notice
 from .panel import Panel
 from .recorder import Recorder
@@ -36,13 +38,6 @@ _UNANSWERED = 3
 def encode(document: object) -> str:
     """Make compact JSON; NaN would be our own mistake."""
     return json.dumps(document, separators=(",", ":"), allow_nan=False)
-
-
-class Camera(NamedTuple):
-    """A server of moving pictures (MJPEG) run by the operator."""
-
-    name: str
-    url: str
 
 
 class Page(Viewer):
@@ -114,7 +109,8 @@ class Hub:
         self._history = History()
         self._frames = Frames(robot, self._history)
         self._latest: dict[str, Any] = {}
-        self._driver: int | None = None
+        self._driver: Viewer | None = None
+        self._under_way: list[tuple[str, Going]] = []
 
     @property
     def now_s(self) -> float:
@@ -155,7 +151,7 @@ class Hub:
             "address": self.robot.address,
             "name": self.name,
             "captured": self.robot.recorder is not None,
-            "cameras": [camera._asdict() for camera in self.cameras],
+            "cameras": [{"name": camera.name} for camera in self.cameras],
             "enable_drive": self.control.offered,
             "simulated": self.panel is not None,
             "speeds": history.speeds.columns(),
@@ -190,10 +186,10 @@ class Hub:
         now_s, time_s = self.now_s, time.time()
         self.control.watch(now_s)
         frame = self._frames.take(now_s, time_s)
-        frame["facts"]["inhibited"] |= self.control.stood_still
         self._latest = frame
         self.recorder.step()
         self._note_driver(time_s)
+        self._note_moves(time_s)
         if self._frames.about(now_s) is not None:
             self.control.limits = limits_of(self.robot, *self._ceilings)
             self._to_all(lambda page: page.send("about", self._about()))
@@ -205,11 +201,11 @@ class Hub:
             "type": "frame",
             "tick": tick,
             "pages": len(self.pages),
-            "driver": self._driver,
-            "asker": None if self.control.asker is None else self.control.asker.number,
+            **self._people(now_s),
             "why": self.control.why,
             "must_let_go": self.control.must_let_go,
             "going": None if self.control.going is None else self.control.going.place,
+            "going_m_s": None if self.control.going is None else self.control.going.speed,
             "recording": self.recorder.now,
             "fleet": self.look_around(),
             "sim": None if self.panel is None else self.panel.now(),
@@ -246,12 +242,41 @@ class Hub:
         for page in self.pages:
             tell(page)
 
+    def _people(self, now_s: float) -> dict[str, Any]:
+        driver, asker = self.control.driver, self.control.asker
+        return {
+            "driver": None if driver is None else driver.number,
+            "driver_name": None if driver is None else driver.name,
+            "asker": None if asker is None else asker.number,
+            "asker_name": None if asker is None else asker.name,
+            "relievable": self._frames.at_rest is True and self.control.is_idle(now_s),
+        }
+
+    def relieve(self, page: Page) -> None:
+        """Give this page control instead of a driver that drives nothing."""
+        self.control.relieve(page, self.now_s, at_rest=self._frames.at_rest is True)
+
     def _note_driver(self, time_s: float) -> None:
-        driver = None if self.control.driver is None else self.control.driver.number
-        if driver != self._driver:
-            text = "nobody has control" if driver is None else f"page {driver} took control"
+        driver = self.control.driver
+        if driver is not self._driver:
+            text = "nobody has control" if driver is None else f"{driver.name} took control"
             self._history.note(time_s, "plain", text)
             self._driver = driver
+
+    def _note_moves(self, time_s: float) -> None:
+        """Note which moves to a place have begun and ended."""
+        begun, self.control.begun = self.control.begun, []
+        for move in begun:
+            place = f"x {move.place[0]:.2f} m, y {move.place[1]:.2f} m"
+            self._history.note(time_s, "plain", f"the robot goes to {place} by itself")
+            self._under_way.append((place, move))
+        for place, move in self._under_way:
+            if move.on:
+                continue
+            level = "weak" if move.why not in ("", ENDED) else "plain"
+            text = f"did not arrive at {place}: {move.why}" if move.why else f"arrived at {place}"
+            self._history.note(time_s, level, f"the robot {text}")
+        self._under_way = [entry for entry in self._under_way if entry[1].on]
 
     def note(self, level: str, text: str) -> None:
         """Add to the list of events on all pages."""

@@ -12,12 +12,16 @@ from typing import Any
 from ..errors import RobotError
 from .control import ControlError, Input
 from .fleet import Fleet
+from .going import Goal
 from .hub import Hub, Page
 from .panel import Panel, PanelError
 from .recorder import RecordError
 
 MOST_CHARACTERS = 2000
 _LONGEST_REASON = 100
+LONGEST_NAME = 30
+FARTHEST_M = 1000.0
+MOST_CLEARANCE_M = 5.0
 _BURST = 200.0
 _RATE_HZ = 120.0
 
@@ -38,6 +42,8 @@ class Messages:
         self._handlers: dict[str, Callable[[dict[str, Any]], None]] = {
             "drawn": self._drawn,
             "take": lambda _: hub.control.ask(page),
+            "relieve": lambda _: hub.relieve(page),
+            "name": self._name,
             "keep": self._keep,
             "leave": lambda _: hub.control.leave(page, ""),
             "arm": self._arm,
@@ -67,6 +73,8 @@ class Messages:
         try:
             handler(message)
         except (ControlError, PanelError, RecordError) as error:
+            if message["type"] == "go":
+                self._hub.note("weak", f"going to a place was refused: {error}")
             if not self._refuse(str(error), str(message["type"])):
                 raise BadMessageError("its outbox is full") from None
 
@@ -115,8 +123,14 @@ class Messages:
     def _keep(self, _message: dict[str, Any]) -> None:
         asker = self._hub.control.keep(self._page)
         if isinstance(asker, Page):
-            number = self._page.number
-            asker.send("refused", {"text": f"page {number} keeps control", "what": "take"})
+            text = f"{self._page.name} keeps control"
+            asker.send("refused", {"text": text, "what": "take"})
+
+    def _name(self, message: dict[str, Any]) -> None:
+        name = " ".join(_text(message, "name").split())
+        if not (0 < len(name) <= LONGEST_NAME and name.isprintable()):
+            raise BadMessageError(f"a name has 1 to {LONGEST_NAME} characters")
+        self._fleet.rename(self._page, name)
 
     def _stop(self, _message: dict[str, Any]) -> None:
         self._fleet.stop(self._page)
@@ -124,11 +138,16 @@ class Messages:
             raise BadMessageError("its outbox is full")
 
     def _go(self, message: dict[str, Any]) -> None:
-        x_m, y_m, scale = (_number(message, name) for name in ("x_m", "y_m", "scale"))
-        if not 0.0 < scale <= 1.0:
+        goal = Goal(*(_number(message, name) for name in ("x_m", "y_m", "scale")))
+        if message.get("clearance_m") is not None:
+            goal = goal._replace(clearance_m=_number(message, "clearance_m"))
+        if not 0.0 < goal.scale <= 1.0:
             raise BadMessageError("scale is above 0 and up to 1")
-        now_s = self._hub.now_s
-        self._hub.control.go(self._page, _tick(message), x_m, y_m, scale, now_s)
+        if max(abs(goal.x_m), abs(goal.y_m)) > FARTHEST_M:
+            raise ControlError(f"x and y are at most {FARTHEST_M:g} m")
+        if not 0.0 <= (goal.clearance_m or 0.0) <= MOST_CLEARANCE_M:
+            raise ControlError(f"the clearance is 0 to {MOST_CLEARANCE_M:g} m")
+        self._hub.control.go(self._page, _tick(message), goal, self._hub.now_s)
 
     def _relocalize(self, message: dict[str, Any]) -> None:
         pose = [_number(message, name) for name in ("x_m", "y_m", "theta_rad")]

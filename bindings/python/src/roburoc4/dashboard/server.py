@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import ipaddress
+import logging
 import signal
 import socket
 import ssl
@@ -97,16 +98,28 @@ def link(place: Place, opened: socket.socket, rules: Rules) -> str:
 
 
 def _patient(protocol: Any) -> Any:
-    """Make uvicorn's WebSocket end quietly if a page is just leaving."""
+    """Make uvicorn's WebSocket end quietly if a page is just leaving, or never was a page."""
 
     class Patient(protocol):  # type: ignore[misc]
+        def data_received(self, data: bytes) -> None:
+            super().data_received(data)
+            if self.conn.handshake_exc is not None and not self.handshake_initiated:
+                self.transport.close()  # nothing would ever answer it
+
         def shutdown(self) -> None:
             try:
                 super().shutdown()
-            except InvalidState:
+            except (InvalidState, AssertionError):
                 self.transport.close()
 
     return Patient
+
+
+def _shorten(record: logging.LogRecord) -> bool:
+    """Log in one line what a client sent that is no text: a traceback looks like our mistake."""
+    if "UTF-8" in record.getMessage():
+        record.exc_info = None
+    return True
 
 
 class Server(uvicorn.Server):
@@ -169,5 +182,6 @@ def make_server(fleet: Fleet, place: Place, rules: Rules, on_ready: Callable[[],
         lifespan="on",
     )
     config.load()
+    logging.getLogger("uvicorn.error").addFilter(_shorten)
     config.ws_protocol_class = _patient(config.ws_protocol_class)
     return Server(config, fleet, on_ready)

@@ -16,7 +16,10 @@ export class Drawer {
     this.tabs = [...document.querySelectorAll("[role=tab]")];
     for (const button of document.querySelectorAll("[data-tab]")) button.addEventListener("click", () => this.toggle(button.dataset.tab));
     addEventListener("keydown", (event) => this.key(event));
-    this.select(matchMedia(ROOMY).matches ? "plots" : "");
+    const roomy = matchMedia(ROOMY);
+    this.select(roomy.matches ? "plots" : "");
+    // A page that is zoomed, or made small, keeps its map.
+    roomy.addEventListener("change", () => roomy.matches || this.select(""));
   }
 
   key(event) {
@@ -24,7 +27,6 @@ export class Drawer {
     const at = this.tabs.indexOf(document.activeElement);
     if (at >= 0 && ["ArrowLeft", "ArrowRight"].includes(event.code)) this.focus(at, event.code === "ArrowRight" ? 1 : -1);
     else if (event.code in KEYS && !writes(event.target) && !by(`tab-${KEYS[event.code]}`).hidden) this.enter(KEYS[event.code]);
-    else if (event.code === "Escape" && by("drawer").contains(event.target)) this.enter(this.open);
   }
 
   focus(at, way) {
@@ -40,6 +42,10 @@ export class Drawer {
     this.toggle(name);
     if (this.open) by(`panel-${name}`).focus();
     else if (within) by(`tab-${name}`).focus();
+  }
+
+  close() {
+    if (this.open) this.enter(this.open);
   }
 
   toggle(name) {

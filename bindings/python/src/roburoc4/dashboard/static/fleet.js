@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The robots of this dashboard by name, and which of them the page shows and drives.
+// The robots of this dashboard by name and colour, and which of them the page shows and drives.
 import { by, figure, make, mark, put, show } from "./text.js";
 
+const INKS = ["violet", "green", "sky", "text"];
 const stateOf = ({ state, alarm, armed, battery }) => (state !== "ready" ? "lost" : alarm ? "alarm" : armed ? "armed" : figure(battery ?? null, 0, "%"));
+
+/** The name of a robot's colour. */
+export const inkOf = (robots, name) => INKS[robots.findIndex((robot) => robot.name === name) % INKS.length];
 
 export class Fleet {
   constructor(choose) {
@@ -16,8 +20,10 @@ export class Fleet {
   }
 
   show(robots) {
-    show(by("fleet"), robots.length > 1);
-    put(by("stop").firstChild, robots.length > 1 ? "STOP ALL" : "STOP");
+    const several = robots.length > 1;
+    show(by("fleet"), several);
+    put(by("stop").firstChild, several ? "STOP ALL" : "STOP");
+    mark(document.body, "robot", several ? inkOf(robots, this.chosen) : "");
     if (robots.map(({ name }) => name).join() !== [...this.buttons.keys()].join()) this.build(robots);
     for (const robot of robots) {
       const button = this.buttons.get(robot.name);
@@ -30,6 +36,7 @@ export class Fleet {
   build(robots) {
     this.buttons = new Map(robots.map(({ name }) => {
       const button = make("button", "chip", "", make("b", "", name), make("span", "figures"));
+      mark(button, "robot", inkOf(robots, name));
       button.addEventListener("click", () => this.choose(name));
       return [name, button];
     }));

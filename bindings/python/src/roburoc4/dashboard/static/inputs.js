@@ -3,13 +3,18 @@
 // was held when the page was left, or another pad appeared, must be released before it counts again.
 //
 // The game pad is read as in the manual (4.1): [A] held is the dead-man, RT forward, LT backward,
-// LJ left and right to turn.
+// LJ left and right to turn. [B] stops, LB and RB make it slower and faster.
 //
 // Browsers do not always report that a key was released: a menu, a drag or the Command key hide it. So a
 // key is held no longer than the keyboard repeats, as in cli/deadman.py. Only the key that was pressed
 // last repeats; it keeps the others held.
 
+import { mark } from "./text.js";
+
 const A = 0;
+export const B = 1;
+const SLOWER = 4; // LB
+export const FASTER = 5; // RB
 const LT = 6;
 const RT = 7;
 const LJ_X = 0;
@@ -25,6 +30,8 @@ const NEUTRAL = { forward: 0, left: 0, by: "" };
 
 const beyond = (value) => (Math.abs(value) < DEAD_ZONE ? 0 : (value - Math.sign(value) * DEAD_ZONE) / (1 - DEAD_ZONE));
 const within = (value) => Math.max(-1, Math.min(1, value || 0));
+
+const touches = () => matchMedia("(hover: none)").matches;
 
 /** Whether the Command key is involved: while it is down, a Mac does not report that other keys are released. */
 const commands = (event) => event.metaKey || /^(Meta|OS)/.test(event.code);
@@ -50,6 +57,7 @@ export class Inputs {
     this.looked = 0;
     this.stuck = true;
     this.padIndex = null;
+    this.down = new Set();
     addEventListener("keydown", (event) => this.press(event));
     addEventListener("keyup", (event) => this.lift(event));
     for (const event of ["contextmenu", "dragstart"]) document.addEventListener(event, (begun) => this.refuse(begun));
@@ -121,13 +129,25 @@ export class Inputs {
     x /= far;
     y /= far;
     this.stickAt = { forward: beyond(-y), left: beyond(-x) };
-    this.knob.style.transform = `translate(${x * reach * 0.7}px, ${y * reach * 0.7}px)`;
+    this.point(x, y);
+  }
+
+  point(x, y) {
+    const reach = (this.stick.clientWidth / 2) * 0.7;
+    const moved = x || y ? `translate(${x * reach}px, ${y * reach}px)` : "";
+    if (this.knob.style.transform !== moved) this.knob.style.transform = moved;
+  }
+
+  /** Show what game pad and keys do on the stick and the keys of the page. */
+  follow({ forward, left }) {
+    if (!this.held) this.point(-left, -forward);
+    for (const key of document.querySelectorAll("kbd")) mark(key, "held", key.dataset.keys.split(" ").some((code) => this.keys.has(code)));
   }
 
   release() {
     if (!this.held) return;
     this.held = this.stickAt = null;
-    this.knob.style.transform = "";
+    this.point(0, 0);
     this.tellIfFree();
   }
 
@@ -152,15 +172,29 @@ export class Inputs {
     return { pad: pads.find((pad) => pad.mapping === "standard") ?? null, strange: pads.length > 0 };
   }
 
+  /** The buttons for STOP and for the speed that were pressed since the last call. */
+  pressed() {
+    const before = this.down;
+    const { pad } = this.pad();
+    this.down = new Set(pad ? [B, SLOWER, FASTER].filter((button) => pad.buttons[button]?.pressed) : []);
+    return document.visibilityState === "visible" ? [...this.down].filter((button) => !before.has(button)) : [];
+  }
+
+  /** How this device drives. */
+  hint() {
+    return [this.pad().pad && "hold [A] on the game pad", "drag the stick", touches() || "hold a key"].filter((text) => text && text !== true).join(", or ");
+  }
+
   padText() {
     const { pad, strange } = this.pad();
     if (pad) {
       const name = pad.id.replace(/\s*\(.*$/, "") || "game pad";
-      return pad.buttons[A]?.pressed ? `This machine’s game pad: ${this.stuck ? "let [A] go once" : "[A] held"}` : `This machine’s game pad (${name}): hold [A]; RT forward, LT back, LJ turn`;
+      return pad.buttons[A]?.pressed ? `This machine’s game pad: ${this.stuck ? "let [A] go once" : "[A] held"}` : `This machine’s game pad (${name}): hold [A]; RT forward, LT back, LJ turn; [B] STOP; LB, RB speed`;
     }
     if (!isSecureContext || !navigator.getGamepads) {
       return "Game pad withheld: browsers may refuse it to plain HTTP. Start with --tls-cert and --tls-key";
     }
+    if (touches() && !strange) return "";
     return strange ? "Game pad not used: the browser does not know its layout" : "No game pad seen: plug it in, press a button";
   }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The robot from above at its pose: X up, Y left.
+import { inkOf } from "./fleet.js";
 import { by, colour, figure, mark, put } from "./text.js";
 
 const LENGTH = 1.31;
@@ -7,13 +8,14 @@ const WIDTH = 0.75;
 const WHEEL = { x: 0.305, y: 0.34, length: 0.56, width: 0.14 };
 const MOST_PLACES = 8000;
 const STEP_M = 0.03;
+const STEP_RAD = 0.1;
 const NEAR_PX = 14;
 const NEAR_M = 0.5;
 const RECENT_S = 60;
 const JUMP_M = 0.5;
 const LONGEST_CONE_M = 2.5; // longer ones are lines, which hide less
 const clock = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" });
-const COLOURS = ["--grid", "--grid-bold", "--text", "--soft", "--card", "--blue", "--orange", "--red", "--sky", "--body", "--wheel", "--box"];
+const COLOURS = ["--grid", "--grid-bold", "--text", "--soft", "--card", "--blue", "--orange", "--red", "--sky", "--body", "--wheel", "--box", "--violet", "--green"];
 
 function legend({ sim, fleet }) {
   const own = sim ? "Solid: odometry, which slips in turns. Dashed: where it really is." : "By odometry, which slips in turns.";
@@ -35,6 +37,7 @@ export class RobotMap {
     this.drag = null;
     this.fingers = new Map();
     this.frame = null;
+    this.past = null;
     this.about = null;
     new ResizeObserver(() => this.resize()).observe(canvas);
     addEventListener("theme", () => this.readColours());
@@ -145,15 +148,15 @@ export class RobotMap {
   // ---- path and pose ----
 
   /** The trail as the dashboard keeps it: places and their times. */
-  begin({ path: [xs, ys, times] }) {
-    this.path = xs.map((x, index) => [x, ys[index], times[index]]);
+  begin({ path: [xs, ys, times, thetas] }) {
+    this.path = xs.map((x, index) => [x, ys[index], times[index], thetas[index]]);
     this.truth = [];
   }
 
-  keep(list, x, y, time_s) {
+  keep(list, { x_m: x, y_m: y, theta_rad: theta }, time_s) {
     const last = list.at(-1);
-    if (last && Math.hypot(x - last[0], y - last[1]) < STEP_M) return;
-    list.push([x, y, time_s]);
+    if (last && Math.hypot(x - last[0], y - last[1]) < STEP_M && Math.abs(theta - last[3]) < STEP_RAD) return;
+    list.push([x, y, time_s, theta]);
     if (list.length > MOST_PLACES) list.splice(0, MOST_PLACES / 4);
   }
 
@@ -162,10 +165,10 @@ export class RobotMap {
     this.about = about;
     const pose = frame.pose;
     if (pose && pose.x_m !== null && pose.y_m !== null && pose.theta_rad !== null) {
-      this.keep(this.path, pose.x_m, pose.y_m, frame.time_s);
+      if (frame.state === "ready") this.keep(this.path, pose, frame.time_s);
       if (this.follow) this.centre = { x: pose.x_m, y: pose.y_m };
     }
-    if (frame.sim) this.keep(this.truth, frame.sim.pose.x_m, frame.sim.pose.y_m, frame.time_s);
+    if (frame.sim) this.keep(this.truth, frame.sim.pose, frame.time_s);
     this.paint();
     put(by("pose"), pose ? `x ${figure(pose.x_m, 2, "m")}   y ${figure(pose.y_m, 2, "m")}   θ ${figure((pose.theta_rad * 180) / Math.PI, 0, "°")}` : "pose not reported");
     put(by("map-legend"), legend(frame));
@@ -185,24 +188,48 @@ export class RobotMap {
     this.paintPath(this.truth, ink.orange, [5, 5]);
     this.paintPath(this.path, ink.blue, []);
     const pose = this.frame.pose;
-    if (this.frame.sim) this.paintTruth(this.frame.sim.pose);
-    if (pose && pose.theta_rad !== null && pose.x_m !== null && pose.y_m !== null) {
+    if (this.frame.sim) this.outline(this.frame.sim.pose, ink.orange);
+    if (this.past !== null) this.paintPast(pose);
+    else if (pose && pose.theta_rad !== null && pose.x_m !== null && pose.y_m !== null) {
       this.inFrame(pose, () => this.paintCones());
       this.paintDistances(pose);
-      this.inFrame(pose, () => this.paintRobot());
+      this.inFrame(pose, () => this.paintRobot(this.frame.facts));
     }
     for (const robot of this.frame.fleet) if (robot.pose) this.paintFleet(robot, robot.name === this.about.name);
-    if (this.chosen.wanted) this.outline(this.chosen.wanted, ink.blue);
+    const { wanted } = this.chosen;
+    if (wanted) {
+      if (wanted.theta_rad === undefined) this.paintGoal([wanted.x_m, wanted.y_m], "go here?");
+      else this.outline(wanted, ink.blue);
+    }
     if (this.frame.going) this.paintGoal(this.frame.going);
     this.paintTime();
     this.paintScale();
   }
 
-  /** The place to which the robot goes by itself. */
-  paintGoal([x, y], text = "goes here") {
+  /** The robot where it was; where it is, an outline. */
+  paintPast(pose) {
+    const then = this.path.findLast(([, , time_s]) => time_s <= this.past);
+    mark(this.canvas, "past", then ? then.join(" ") : "");
+    if (pose) this.outline(pose, this.ink.soft);
+    if (!then) return;
+    const [x_m, y_m, time_s, theta_rad] = then;
+    this.inFrame({ x_m, y_m, theta_rad }, () => this.paintRobot({}));
+    const [px, py] = this.at(x_m, y_m);
+    this.label(`here at ${clock.format(time_s * 1000)}`, px, py - 20, this.ink.text);
+  }
+
+  /** The place to which a robot goes by itself, and its way. */
+  paintGoal([x, y], text = "goes here", from = this.frame.pose) {
     const { pen, ink } = this;
     const [px, py] = this.at(x, y);
     pen.strokeStyle = ink.orange;
+    pen.lineWidth = 2;
+    pen.setLineDash([2, 6]);
+    pen.beginPath();
+    if (from) pen.moveTo(...this.at(from.x_m, from.y_m));
+    pen.lineTo(px, py);
+    pen.stroke();
+    pen.setLineDash([]);
     pen.lineWidth = 3;
     pen.beginPath();
     pen.arc(px, py, 10, 0, 2 * Math.PI);
@@ -215,9 +242,9 @@ export class RobotMap {
   /** Each robot's name at its pose; for those that are not shown in full, also an outline and the goal. */
   paintFleet({ name, pose, state, going }, chosen) {
     if (pose.x_m === null || pose.y_m === null || pose.theta_rad === null) return;
-    const ink = state === "ready" ? this.ink.text : this.ink.soft;
+    const ink = state === "ready" ? this.ink[inkOf(this.frame.fleet, name)] : this.ink.soft;
     if (!chosen) this.outline(pose, ink);
-    if (!chosen && going) this.paintGoal(going, `${name} goes here`);
+    if (!chosen && going) this.paintGoal(going, `${name} goes here`, pose);
     const [px, py] = this.at(pose.x_m, pose.y_m);
     this.label(name, px, py + 4, ink);
   }
@@ -278,7 +305,7 @@ export class RobotMap {
     const { pen } = this;
     pen.font = "600 12px system-ui, sans-serif";
     pen.textAlign = align;
-    pen.lineWidth = 3.5;
+    pen.lineWidth = 6;
     pen.lineJoin = "round";
     pen.strokeStyle = this.ink.card;
     pen.strokeText(text, x, y);
@@ -381,7 +408,8 @@ export class RobotMap {
         const [x, y] = [x_m + reach * Math.cos(theta_rad), y_m + reach * Math.sin(theta_rad)];
         return this.at(pose.x_m + c * x - s * y, pose.y_m + s * x + c * y);
       };
-      let reach = free ? LONGEST_CONE_M * 0.6 : distance + 18 / this.scale;
+      // Before the obstacle, not on it.
+      let reach = free ? LONGEST_CONE_M * 0.6 : Math.max(distance - 22 / this.scale, 0.3);
       while (reach > 0.3 && !this.sees(...on(reach))) reach -= 0.1;
       if (this.sees(...on(reach))) this.label(text, on(reach)[0], on(reach)[1] + 4, distance < NEAR_M ? this.ink.red : this.ink.text);
     }
@@ -391,9 +419,8 @@ export class RobotMap {
     return px > 34 && px < this.width - 34 && py > 44 && py < this.height - 36;
   }
 
-  paintRobot() {
+  paintRobot(facts) {
     const { pen, ink } = this;
-    const { facts } = this.frame;
     pen.fillStyle = ink.wheel;
     for (const [sx, sy] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) {
       pen.beginPath();
@@ -437,10 +464,6 @@ export class RobotMap {
         pen.stroke();
       }
     }
-  }
-
-  paintTruth(pose) {
-    this.outline(pose, this.ink.orange);
   }
 
   outline(pose, ink) {

@@ -5,6 +5,7 @@ import { by, colour, figure, make, mark, put, save } from "./text.js";
 
 const MOST = 12000;
 const EVERY_S = 0.1;
+const GAP_S = 2;
 const REDRAW_S = 0.1;
 const TIME_STEPS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200];
 const LEAST_HEIGHT = 128;
@@ -26,9 +27,10 @@ const RANGES = {
 const FIRST = ["speed", "target"];
 const clock = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" });
 
-const ready = (frame) => frame.state === "ready";
-const speed = (index) => (frame) => (ready(frame) ? frame.speeds?.[index] ?? null : null);
-const battery = (name) => (frame) => (ready(frame) ? frame.battery?.[name] ?? null : null);
+// What was not received lately is a gap.
+const fresh = (frame, service) => frame.state === "ready" && !frame.stale.includes(service);
+const speed = (index) => (frame) => (fresh(frame, "differential") ? frame.speeds?.[index] ?? null : null);
+const battery = (name) => (frame) => (fresh(frame, "battery") ? frame.battery?.[name] ?? null : null);
 const FIXED = [
   ["speed", "speed", "m/s", 2, speed(1)], ["target", "speed, target", "m/s", 2, speed(0)],
   ["turn", "turn", "rad/s", 2, speed(3)], ["turn_target", "turn, target", "rad/s", 2, speed(2)],
@@ -39,9 +41,9 @@ const FIXED = [
 
 /** All signals of a robot. */
 function signalsOf(about) {
-  const distances = about.telemeter.map((_, index) => ({ id: `distance_${index}`, label: `distance ${index}`, unit: "m", digits: 2, of: (frame) => (ready(frame) ? frame.distances_m?.[index] ?? null : null) }));
-  const analog = about.channels.analog_inputs.map((name, index) => ({ id: `analog_${index}`, label: `AI ${index} ${name}`, unit: "analog", digits: 2, of: (frame) => (ready(frame) ? frame.analog?.[index] ?? null : null) }));
-  const digital = about.channels.digital_inputs.map((name, index) => ({ id: `digital_${index}`, label: `DI ${index} ${name}`, unit: "on", digits: 0, of: (frame) => (ready(frame) && frame.digital ? Number(frame.digital[index]) : null) }));
+  const distances = about.telemeter.map((_, index) => ({ id: `distance_${index}`, label: `distance ${index}`, unit: "m", digits: 2, of: (frame) => (fresh(frame, "telemeter") ? frame.distances_m?.[index] ?? null : null) }));
+  const analog = about.channels.analog_inputs.map((name, index) => ({ id: `analog_${index}`, label: `AI ${index} ${name}`, unit: "analog", digits: 2, of: (frame) => (fresh(frame, "iocard") ? frame.analog?.[index] ?? null : null) }));
+  const digital = about.channels.digital_inputs.map((name, index) => ({ id: `digital_${index}`, label: `DI ${index} ${name}`, unit: "on", digits: 0, of: (frame) => (fresh(frame, "iocard") && frame.digital ? Number(frame.digital[index]) : null) }));
   return [...FIXED, ...distances, ...analog, ...digital];
 }
 
@@ -98,7 +100,7 @@ export class Plots {
     charge[0].forEach((time, row) => rows.push([time, { battery: charge[1][row], voltage: charge[2][row] }]));
     this.times = [];
     this.values.clear();
-    for (const [time, row] of rows.toSorted((a, b) => a[0] - b[0])) this.add(time, row);
+    for (const [time, row] of rows.toSorted((a, b) => a[0] - b[0])) this.push(time, row);
     this.redraw();
   }
 
@@ -113,6 +115,12 @@ export class Plots {
       this.times.length = 0;
       this.values.clear();
     }
+    // A page that was hidden or not connected received nothing meanwhile.
+    if (time - this.times.at(-1) > GAP_S) this.push(this.times.at(-1) + EVERY_S, Object.fromEntries([...this.values.keys()].map((id) => [id, null])));
+    this.push(time, row);
+  }
+
+  push(time, row) {
     const index = this.times.push(time) - 1;
     for (const [id, value] of Object.entries(row)) this.column(id)[index] = value;
     if (index < MOST) return;
@@ -146,6 +154,12 @@ export class Plots {
       this.span = SPANS[Math.max(0, Math.min(SPANS.length - 1, SPANS.indexOf(this.span) + way))];
     }
     this.redraw();
+  }
+
+  /** Show the time around a moment, or the present again. */
+  look(time_s) {
+    this.moment = time_s;
+    this.pause(time_s !== null, [time_s - this.span / 2, time_s + this.span / 2]);
   }
 
   get shown() {
@@ -219,8 +233,9 @@ export class Plots {
       const data = [this.times, ...plot.signals.map(({ id }) => { const column = this.column(id); column.length = this.times.length; return column; })];
       plot.setData(data, false);
       plot.setScale("x", { min, max });
+      if (this.moment && this.paused) plot.setCursor({ left: plot.valToPos(this.moment, "x"), top: 5 });
       // The legend shows the newest values, unless the pointer is on the plot.
-      if (plot.cursor.left < 0) plot.setLegend({ idx: this.times.length ? this.times.length - 1 : null });
+      else if (plot.cursor.left < 0) plot.setLegend({ idx: this.times.length ? this.times.length - 1 : null });
     }
     mark(by("plots"), "until", max);
   }

@@ -7,10 +7,9 @@ const FORMS = ["csv", "mcap", "pcapng"];
 export class Recording {
   constructor(send) {
     this.on = false;
-    const toggle = () => send({ type: this.on ? "record_end" : "record" });
-    by("record").addEventListener("click", toggle);
+    by("record").addEventListener("click", () => send({ type: this.on ? "record_end" : "record" }));
     addEventListener("keydown", (event) => {
-      if (event.code === "KeyR" && !event.repeat && !event.ctrlKey && !event.metaKey && !event.altKey && !event.target.matches?.("input:not([type=checkbox]), select")) toggle();
+      if (event.code === "KeyR" && !event.repeat && !event.ctrlKey && !event.metaKey && !event.altKey && !event.target.matches?.("input:not([type=checkbox]), select") && !this.on) send({ type: "record" });
     });
   }
 

@@ -42,7 +42,7 @@ export class Speed {
   setLimits(low, high, full) {
     const ends = [low, high].filter((limit) => Number.isFinite(limit)).map(Math.abs);
     this.reach = Math.max(...ends, ...full) || 1;
-    this.span(this.full, -full[0], full[1]);
+    this.setFull(full);
     const marks = [0, this.reach];
     for (const mark of MARKS) if (marks.every((other) => Math.abs(this.at(mark) - this.at(other)) > CROWDED)) marks.push(mark);
     marks.push(...marks.slice(1).map((mark) => -mark));
@@ -52,6 +52,11 @@ export class Speed {
       node.style.transform = `translateX(-${this.at(mark)}%)`; // at the ends, the text stays within the bar
       return node;
     }));
+  }
+
+  /** What full deflection gives at this slider. */
+  setFull([low, high]) {
+    this.span(this.full, -low, high);
   }
 
   show(current, target) {

@@ -38,6 +38,8 @@ export function showNoLink() {
   mark(by("quality"), "level", "bad");
   put(by("quality-say"), "No dashboard");
   put(by("quality-figures"), "");
+  put(by("link-say"), "not known: there is no connection to the dashboard, and the values below are old");
+  for (const what of ["link-try", "link-figures"]) put(by(what), "");
 }
 
 export function showBattery({ battery }, about) {

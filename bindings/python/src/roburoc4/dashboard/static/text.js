@@ -11,6 +11,12 @@ export function figure(value, digits, unit = "") {
   return text.replace("-", "−") + (unit ? `\u202f${unit}` : "");
 }
 
+/** How far a place is, and how long the way takes at least. */
+export function trip({ pose }, [x, y], speed) {
+  const away = pose ? Math.hypot(x - pose.x_m, y - pose.y_m) : NaN;
+  return `${figure(away, 1, "m")}, ${figure(Math.ceil(away / speed), 0, "s")} or more at ${figure(speed, 2, "m/s")}`;
+}
+
 /** Set a text if it differs, so that the browser does not lay out the page again. */
 export function put(node, text) {
   if (node.textContent !== text) node.textContent = text;

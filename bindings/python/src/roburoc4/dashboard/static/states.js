@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// All states of the robot, most urgent first. Whatever is said of motion is computed from the speeds that
+// were measured for this frame; what is past is no state, only a reason for the present one.
+import { figure } from "./text.js";
+
+const end = (text) => (text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".") : "");
+
+/** What is measured now, as a sentence. */
+export function motion({ speeds, facts }) {
+  if (facts.at_rest === null || !speeds) return "It is not known whether the robot moves.";
+  if (facts.at_rest) return "The robot stands.";
+  return `The robot moves: ${figure(speeds[1], 2, "m/s")}, ${figure(speeds[3], 2, "rad/s")}.`;
+}
+
+const ready = (s) => s.state === "ready";
+const bumpers = ({ facts }) => [facts.front_bumper && "FRONT", facts.rear_bumper && "REAR"].filter(Boolean).join(" AND ");
+const critical = (s) => s.battery?.state === "critical";
+
+// Level, title, whether it holds, what is the matter, what to do. `s` is the frame, with what the page knows.
+const STATES = [
+  ["bad", (s) => (s.everReady || s.state === "lost" ? "ROBOT LOST" : "NO ROBOT YET"), (s) => !ready(s), (s) => end(s.link.say), (s) => s.link.attempt],
+  ["bad", "STOP NOT CONFIRMED", ({ facts }) => facts.stop_unconfirmed && !facts.armed && !facts.overridden && facts.at_rest !== true, (s) => `The robot was sent zeros, and did not confirm them. ${motion(s)}`, () => "press the robot’s emergency stop"],
+  ["bad", "ANOTHER COMMANDER", ({ facts }) => facts.other_commander, (s) => `Another program commands the robot. ${motion(s)}`, () => "end that program; STOP here cannot stop it, the robot’s emergency stop can"],
+  ["bad", (s) => `${bumpers(s)} BUMPER`, bumpers, () => "The robot touches something there.", () => "look what it is, then drive away from it"],
+  ["bad", "OVERRIDE", ({ facts }) => facts.overridden, (s) => `Somebody holds [A] on the robot’s game pad: commands from here are ignored. ${motion(s)}`, () => "release [A] to drive from here"],
+  ["bad", "MOTION INHIBITED", ({ facts }) => facts.inhibited, (s) => `The robot does not follow its commands. ${motion(s)}`, () => "check emergency stops, brakes selector and bumpers"],
+  ["bad", "CHARGER PLUGGED IN", ({ facts }) => facts.charger && (facts.armed || facts.at_rest === false), (s) => `The robot would tear its cable. ${motion(s)}`, () => "stop, switch charger and platform off, unplug"],
+  ["bad", "BATTERY CRITICAL", critical, () => "The battery is nearly empty.", () => "stop work and bring the robot to its charger now"],
+  ["bad", "LINK BAD", (s) => s.link.level === "bad", (s) => end(s.link.say), (s) => s.link.attempt],
+  ["weak", "POSE WRONG", ({ facts }) => facts.pose_error, () => "The localization reports an error: the map is not to be trusted.", () => "drive by sight; set the pose with “place”"],
+  ["weak", "BATTERY LOW", (s) => s.facts.battery_low && !critical(s), () => "The battery is below the robot’s minimum.", () => "bring the robot to its charger; charger and platform off before plugging it in"],
+  ["weak", "LINK WEAK", (s) => s.link.level === "weak", (s) => end(s.link.say), (s) => s.link.attempt],
+  ["weak", "STOPPED", (s) => s.mine && s.facts.armed && s.why, (s) => end(s.why), () => "let go of everything, then drive"],
+  ["go", "DRIVING", ({ facts }) => facts.armed && facts.driving, (s) => (s.going ? "By itself, to the place on the map." : s.mine ? "Letting go stops the robot." : "By another page.")],
+  ["armed", "ARMED", ({ facts }) => facts.armed, (s) => (s.mine ? "Letting go stops the robot." : "The robot accepts speeds from another page.")],
+  ["weak", "MOVING", ({ facts }) => facts.at_rest === false && !facts.overridden && !facts.other_commander && !facts.stop_unconfirmed, (s) => `Nothing is commanded from here. ${motion(s)}`, () => "look who moves it; keep away from it"],
+  ["calm", "DISARMED", () => true, (s) => end(s.mine ? s.why || s.facts.blocked : "") || (s.offered ? "The robot accepts no speed from here." : "This page only watches.")],
+];
+
+/** All states that hold, most urgent first: level, title, text. */
+export function statesOf(s) {
+  const found = [];
+  for (const [level, title, on, text, remedy] of STATES) {
+    if (!on(s)) continue;
+    const attempt = remedy?.(s);
+    found.push([level, typeof title === "string" ? title : title(s), text(s) + (attempt ? ` Try: ${attempt}.` : "")]);
+    if (!ready(s)) break; // of a robot that is silent, nothing else is known
+  }
+  return found;
+}
+
+export const silence = (why, stopping) => {
+  const [title, text, next] = stopping
+    ? ["STOP NOT CONFIRMED", "There is no connection to the dashboard: press the robot’s emergency stop.", "This page sends STOP again when it is connected."]
+    : ["NO CONNECTION TO THE DASHBOARD", "What you see is old.", "Try: look whether roburoc4 dashboard runs, and the network. This page connects again by itself."];
+  return [["bad", title, `${text} ${why ? `The dashboard says: ${end(why)}` : next}`]];
+};

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: MIT
+"""The states that the page shows: their order, and that they say the truth about motion."""
+
+import itertools
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+from state_table import CALM, MOVES, STATES, Frame, conflict, merged
+from station import Station, arm, hold_pad, press_arm, ready, until
+
+import roburoc4
+
+Visit = Callable[..., Page]
+Make = Callable[..., Station]
+
+
+@pytest.fixture
+def states_of(station: Make, visit: Visit) -> Callable[[list[Frame]], list[Any]]:
+    """Ask the page for the states of frames: level, title and text, most urgent first."""
+    page = visit(station(enable_drive=False).url)
+
+    def ask(frames: list[Frame]) -> list[Any]:
+        found: list[Any] = page.evaluate(
+            """async (frames) => {
+                const { statesOf } = await import("/static/states.js");
+                return frames.map(statesOf);
+            }""",
+            frames,
+        )
+        return found
+
+    return ask
+
+
+def test_every_pair_of_states_has_a_decided_order(
+    states_of: Callable[[list[Frame]], list[Any]],
+) -> None:
+    pairs = [
+        (one, other)
+        for one, other in itertools.combinations(STATES, 2)
+        if not conflict(one[1], other[1])
+    ]
+    assert len(pairs) > 80
+    both = [merged(merged(CALM, other[1]), one[1]) for one, other in pairs]
+    for (one, other), found in zip(pairs, states_of(both), strict=True):
+        titles = [title for _, title, _ in found]
+        assert one[0] in titles, f"{one[0]} is hidden by {titles}"
+        if one[0] == "ROBOT LOST":
+            assert titles == ["ROBOT LOST"], "nothing else is known of a robot that is silent"
+        else:
+            assert titles.index(one[0]) < titles.index(other[0]), titles
+
+
+def test_each_state_alone_has_the_banner_and_each_alarm_a_remedy(
+    states_of: Callable[[list[Frame]], list[Any]],
+) -> None:
+    alone = [merged(CALM, frame) for _, frame in STATES]
+    for (title, _), found in zip(STATES, states_of(alone), strict=True):
+        level, shown, text = found[0]
+        assert shown == title
+        assert level not in ("bad", "weak") or "Try: " in text, title
+
+
+def test_no_state_says_the_opposite_of_the_measured_speed(
+    states_of: Callable[[list[Frame]], list[Any]],
+) -> None:
+    still = {"speeds": [0.0, 0.0, 0.0, 0.0], "facts": {"at_rest": True}}
+    unknown = {"speeds": None, "facts": {"at_rest": None}}
+    claims = ("The robot stands", "1.28\u202fm/s", "not known whether the robot moves")
+    for frame, claim in ((still, claims[0]), (MOVES, claims[1]), (unknown, claims[2])):
+        frames = [merged(merged(CALM, state), frame) for _, state in STATES]
+        texts = [text for found in states_of(frames) for _, _, text in found]
+        assert any(claim in text for text in texts)
+        for wrong in set(claims) - {claim}:
+            assert not any(wrong in text for text in texts), (wrong, claim)
+        assert not any("does not move" in text for text in texts)
+
+
+def test_what_is_past_is_not_a_state(station: Make, visit: Visit) -> None:
+    here = station(lease_s=1.0)
+    here.sim.set("estop_remote", True)
+    page = visit(here.url)
+    arm(page)
+    hold_pad(page, rt=1.0)
+    until(lambda: not here.robot.facts.armed)
+    while here.robot.facts.disarm_cause != roburoc4.Result.INHIBITED:  # a stall ended it
+        page.evaluate("hold(0, 0)")
+        press_arm(page)
+        hold_pad(page, rt=1.0)
+        until(lambda: not here.robot.facts.armed)
+    page.evaluate("hold(0, 0)")
+    expect(page.locator("#banner-text")).to_contain_text("The robot did not follow its commands")
+    here.sim.set("estop_remote", False)
+    here.sim.set("motor_button", True)
+    expect(page.locator("#banner-title")).to_have_text("DISARMED")
+    here.sim.set("pad_a", True)
+    here.sim.set("pad_lj_x", -1.0)
+    until(lambda: here.sim.state.wheel_angular_rad_s > 2.0)
+    expect(page.locator("#banner-title")).to_have_text("OVERRIDE")
+    expect(page.locator("#banner-text")).to_contain_text("The robot moves: ")
+    here.sim.set("battery_percent", 3.0)
+    expect(page.locator("#banner-more")).to_have_text("BATTERY CRITICAL")
+    here.sim.set("power", False)
+    expect(page.locator("#banner-title")).to_have_text("ROBOT LOST")
+    here.sim.set("power", True)
+    here.sim.set("pad_a", False)
+    expect(page.locator("#banner-title")).to_have_text("BATTERY CRITICAL")
+    expect(page.locator("#banner")).not_to_contain_text("INHIBITED")
+
+
+def test_an_unconfirmed_stop_ends_when_the_robot_stands(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    ready(page)
+    here.sim.set("pad_a", True)
+    here.sim.set("pad_rt", 0.0)
+    until(lambda: here.sim.state.wheel_linear_m_s > 0.5)
+    page.locator("#stop").click()  # which the robot ignores now
+    here.wait_for_stop_pressed()
+    here.sim.set("pad_a", False)
+    here.sim.set("pad_rt", 1.0)
+    until(lambda: here.sim.state.wheel_linear_m_s == 0.0)
+    expect(page.locator("#banner-title")).to_have_text("DISARMED")
+    here.sim.set("pad_a", True)
+    here.sim.set("pad_rt", 0.0)
+    expect(page.locator("#banner-title")).to_have_text("OVERRIDE")
+    expect(page.locator("#banner-more")).not_to_contain_text("STOP NOT CONFIRMED")
+
+
+def test_the_strip_shows_who_drives_what_whatever_is_wrong(station: Make, visit: Visit) -> None:
+    here = station(robots=("RED", "BLUE"), panel=True)
+    page = visit(here.url, viewport={"width": 320, "height": 568})
+    ready(page)
+    page.locator("#take").click()
+    expect(page.get_by_role("button", name="Arm RED")).to_be_visible()
+    press_arm(page)
+    mode = page.locator("#mode")
+    expect(mode).to_have_text("ARMED")
+    calm = mode.evaluate("(node) => getComputedStyle(node).backgroundColor")
+    here.sim.set("battery_percent", 3.0)
+    here.sim.set("front_bumper", True)
+    expect(page.locator("#banner-title")).to_have_text("FRONT BUMPER")
+    for name, text in (
+        ("name", "RED"),
+        ("kind", "simulator"),
+        ("mode", "ARMED"),
+        ("control", "Control: this page"),
+    ):
+        expect(page.locator(f"#{name}")).to_be_in_viewport(ratio=1)
+        expect(page.locator(f"#{name}")).to_have_text(text)
+    here.sim.set("front_bumper", False)
+    here.wait_until_driven(
+        page, lambda: hold_pad(page, rt=1.0), lambda: page.evaluate("hold(0, 0)")
+    )
+    expect(mode).to_have_text("DRIVING")
+    assert mode.evaluate("(node) => getComputedStyle(node).backgroundColor") != calm
