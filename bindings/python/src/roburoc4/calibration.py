@@ -5,7 +5,8 @@ import json
 from os import PathLike
 from pathlib import Path
 
-from .errors import ArgumentError, Result
+from .constants import Result
+from .errors import ArgumentError
 
 _LEAST, _MOST = 0.5, 2.0
 
