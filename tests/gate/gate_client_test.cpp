@@ -196,9 +196,23 @@ TEST_F(GateClient, SpeedsInOtherUnitsAreRefusedAndNeverChangeTheirSign) {
         pass(10);
         EXPECT_NEAR(0.3, this->speed(), 1e-6) << "the last target holds until its lease ends";
     }
-    EXPECT_EQ(7, gate.rejected[GATE_UNITS]);
+    for (const float turn : {45.0F, -45.0F}) {
+        EXPECT_EQ(GATE_UNITS, gate_drive(&gate, &client, 0.3F, turn, 0, now_us())) << turn;
+    }
+    EXPECT_EQ(9, gate.rejected[GATE_UNITS]);
     EXPECT_FALSE(is_waiting()) << "a mistake is no reason to wait for a pause";
     EXPECT_EQ(GATE_TAKEN, send(-5.0F));
     pass(50);
     EXPECT_NEAR(-1.0, speed(), 1e-6) << "clamped to the ceiling";
+}
+
+TEST_F(GateClient, ArmsForAMoveUnlessThatIsRefused) {
+    EXPECT_EQ(GATE_TAKEN, gate_arm(&gate, &client, now_us()));
+    EXPECT_TRUE(is_armed());
+    EXPECT_FALSE(is_waiting());
+    set("pad_a", 1);
+    pass(200);
+    EXPECT_EQ(GATE_DISARMED, gate_arm(&gate, &client, now_us()));
+    EXPECT_FALSE(is_armed());
+    EXPECT_TRUE(is_waiting());
 }

@@ -535,16 +535,16 @@ TEST_F(Pump, ExitFindsEachOfManyPumpsThatAreLeft) {
         pumps.push_back(roburoc4_pump_create(&address, &config_, 0, nullptr, nullptr));
         ASSERT_EQ(roburoc4_pump_arm(pumps.back(), 10 * kSecond), ROBUROC4_OK);
     }
-    for (const size_t gone : {2, 0, 4}) { /* in the middle, first, last */
+    for (const size_t gone : {2U, 0U, 4U}) { /* in the middle, first, last */
         roburoc4_pump_destroy(pumps[gone]);
     }
-    for (const size_t left : {1, 3}) {
+    for (const size_t left : {1U, 3U}) {
         ASSERT_EQ(on_client(pumps[left], roburoc4_client_drive, 0.5f, 0.0f, 1000000u), ROBUROC4_OK);
     }
     sleep_ms(200);
     const uint64_t asked_us = sys.now_us;
     run_exit_handlers();
-    for (const size_t left : {1, 3}) {
+    for (const size_t left : {1U, 3U}) {
         EXPECT_EQ(robots[left]->first_zero_us(), asked_us + sys.delay_us);
         roburoc4_pump_destroy(pumps[left]);
     }

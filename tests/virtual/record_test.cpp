@@ -161,7 +161,7 @@ TEST_F(Record, CloseWritesWhatIsLeftAndTheStatistics) {
     const Bytes &bytes = sys.files["run.pcapng"];
     const auto time_at = [&](size_t at) {
         uint64_t time = 0;
-        for (const size_t i : {3, 2, 1, 0, 7, 6, 5, 4}) { /* the high half comes first */
+        for (const size_t i : {3U, 2U, 1U, 0U, 7U, 6U, 5U, 4U}) { /* the high half comes first */
             time = time << 8 | bytes[at + i];
         }
         return time;
