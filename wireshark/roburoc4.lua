@@ -229,7 +229,10 @@ roburoc4.experts = experts
 -- Datagrams are first seen in their order. What is concluded then is kept with the frame, as
 -- Wireshark shows frames again in any order.
 local robots -- by address and port
-local frames -- by number
+local flows -- by address and port of the sender, then of the receiver
+-- By number: a context, which frames share as long as nothing changes, or a record with what was
+-- concluded of one frame, on top of its context.
+local frames
 
 local MANUAL_KINDS = {[0] = "directory", "notification", "iocard", "telemeter", "battery",
     "localization", "differential"}
@@ -248,7 +251,7 @@ local RESTART_CYCLES = 100
 local CYCLE_S = 0.01
 
 function roburoc4.init()
-    robots, frames = {}, {}
+    robots, flows, frames = {}, {}, {}
 end
 
 local function new_robot()
@@ -282,8 +285,7 @@ local function looks_sent(buf)
 end
 
 local interface_name = Field.new("frame.interface_name")
-local flags_direction = Field.new("frame.packet_flags_direction")
-local OUTBOUND = 2
+local SENT, RECEIVED = 0, 1
 
 -- Whether this is of a recording of roburoc4_record.h: there the interface has the robot's address
 -- or the name of the program.
@@ -296,14 +298,15 @@ local function is_recording(pinfo)
 end
 
 -- Whether a client sends this: in a recording of a client, by its direction; else by the manual's
--- port, by what was learned of both ends, by the port of Decode As, or by its contents.
+-- port, by what was learned of both ends, by the port of Decode As, or by its contents. True, too,
+-- if that is so for all that the same sender sends to the same receiver.
 local function goes_to_robot(pinfo, buf, source, target)
     local from, to = pinfo.src_port, pinfo.dst_port
-    local direction = flags_direction()
-    if direction ~= nil and direction.value > 0 and is_recording(pinfo) then
-        return direction.value == OUTBOUND
+    local direction = pinfo.p2p_dir
+    if (direction == SENT or direction == RECEIVED) and is_recording(pinfo) then
+        return direction == SENT, true
     elseif (from == DEFAULT_PORT) ~= (to == DEFAULT_PORT) then
-        return to == DEFAULT_PORT
+        return to == DEFAULT_PORT, true
     elseif source ~= target and (robots[source] == nil) ~= (robots[target] == nil) then
         return robots[target] ~= nil
     elseif from ~= to and (pinfo.match_uint == from or pinfo.match_uint == to) then
@@ -312,9 +315,14 @@ local function goes_to_robot(pinfo, buf, source, target)
     return looks_sent(buf)
 end
 
-local function begin_record(pinfo, buf)
+local function flow_of(pinfo, buf)
     local source, target = side_keys(pinfo)
-    local to_robot = goes_to_robot(pinfo, buf, source, target)
+    local targets = flows[source]
+    local flow = targets and targets[target]
+    if flow ~= nil and flow.is_fixed then
+        return flow
+    end
+    local to_robot, is_fixed = goes_to_robot(pinfo, buf, source, target)
     local key, client = source, target
     if to_robot then
         key, client = target, source
@@ -322,12 +330,31 @@ local function begin_record(pinfo, buf)
     robots[key] = robots[key] or new_robot()
     local robot = robots[key]
     robot.clients[client] = robot.clients[client] or new_client()
-    return {to_robot = to_robot, robot = robot, client = robot.clients[client],
-        kinds = robot.kinds, counts = robot.counts, limits = robot.limits, notes = {}}
+    flow = {to_robot = to_robot, is_fixed = is_fixed, robot = robot, client = robot.clients[client]}
+    flows[source] = flows[source] or {}
+    flows[source][target] = flow
+    return flow
+end
+
+-- What is known of both ends now.
+local function context_of(flow)
+    local robot, client, context = flow.robot, flow.client, flow.context
+    if context == nil or context.kinds ~= robot.kinds or context.counts ~= robot.counts or
+        context.limits ~= robot.limits or context.periods ~= client.periods or
+        context.offset ~= client.offset then
+        context = {to_robot = flow.to_robot, robot = robot, client = client, kinds = robot.kinds,
+            counts = robot.counts, limits = robot.limits, periods = client.periods,
+            offset = client.offset}
+        context.__index = context
+        flow.context = context
+    end
+    return context
 end
 
 local function note(record, name, text)
-    table.insert(record.notes, {name, text})
+    local notes = record.notes or {}
+    notes[#notes + 1] = {name, text}
+    record.notes = notes
 end
 
 local function kind_of_entry(robot, index)
@@ -386,6 +413,16 @@ local function take_request(pending, v)
     return found and table.remove(pending, found)
 end
 
+-- Contexts refer to the table, so it never changes.
+local function set_period(client, service, period)
+    local periods = {}
+    for other, value in pairs(client.periods) do
+        periods[other] = value
+    end
+    periods[service] = period
+    client.periods = periods
+end
+
 local function learn_properties(record, v, request)
     local robot = record.robot
     local kind = record.kinds[v.service]
@@ -402,9 +439,9 @@ local function learn_properties(record, v, request)
     elseif v.action == 0 and kind == "differential" then
         robot.limits = v
     elseif v.action == 4 and request.period ~= nil and request.period > 0 then
-        record.client.periods[request.subject] = request.period
+        set_period(record.client, request.subject, request.period)
     elseif v.action == 5 and request.subject ~= nil then
-        record.client.periods[request.subject] = nil
+        set_period(record.client, request.subject, nil)
     end
 end
 
@@ -417,11 +454,15 @@ local function learn_answer(record, v, pinfo)
     record.request = request.frame
     record.time = pinfo.rel_ts - request.at
     if frames[request.frame] ~= nil then
-        frames[request.frame].answer = pinfo.number
+        frames[request.frame].answer = pinfo.number -- a record, as it is of a request
     end
     if v.error == 0 and v.id ~= 0 then
         learn_properties(record, v, request)
     end
+end
+
+local function late_ms(offset, v, pinfo)
+    return (pinfo.rel_ts - v.cycles * CYCLE_S - offset) * 1000
 end
 
 local function learn_lateness(record, v, pinfo)
@@ -430,9 +471,9 @@ local function learn_lateness(record, v, pinfo)
     if client.offset == nil or offset < client.offset then
         client.offset = offset
     end
-    record.late_ms = (offset - client.offset) * 1000
-    if record.late_ms >= roburoc4.prefs.late_ms then
-        note(record, "late", string.format("This status came %.0f ms late", record.late_ms))
+    local late = late_ms(client.offset, v, pinfo)
+    if late >= roburoc4.prefs.late_ms then
+        note(record, "late", string.format("This status came %.0f ms late", late))
     end
 end
 
@@ -440,7 +481,6 @@ end
 local function learn_gap(record, v, step)
     local client, service = record.client, v.service
     local period = client.periods[service]
-    record.period = period
     if period == nil then
         client.steps[service] = math.min(step, client.steps[service] or step)
         period = client.steps[service]
@@ -913,7 +953,7 @@ local function add_generated(tree, field, value)
     tree:add(field, value):set_generated()
 end
 
-local function show_conclusions(tree, record, is_new)
+local function show_conclusions(tree, record, v, pinfo, is_new)
     if record.answer ~= nil then
         add_generated(tree, f_answer_in, record.answer)
     elseif record.is_request and not is_new then -- all others were seen meanwhile
@@ -926,16 +966,21 @@ local function show_conclusions(tree, record, is_new)
         add_generated(tree, f_answer_time,
             NSTime.new(whole, math.floor((seconds - whole) * 1e9 + 0.5)))
     end
-    if record.period ~= nil then
-        add_generated(tree, f_period, record.period)
+    if v.what == "status" and v.cycles ~= nil then
+        if record.periods[v.service] ~= nil then
+            add_generated(tree, f_period, record.periods[v.service])
+        end
+        if record.offset ~= nil then
+            add_generated(tree, f_late_ms, late_ms(record.offset, v, pinfo))
+        end
     end
     if record.lost ~= nil then
         add_generated(tree, f_lost, record.lost)
     end
-    if record.late_ms ~= nil then
-        add_generated(tree, f_late_ms, record.late_ms)
-    end
-    for _, entry in ipairs(record.notes) do
+end
+
+local function show_notes(tree, record)
+    for _, entry in ipairs(record.notes or {}) do
         if entry[2] ~= nil then
             tree:add_proto_expert_info(experts[entry[1]], entry[2])
         else
@@ -957,6 +1002,93 @@ local function learn(record, v, pinfo)
     end
 end
 
+----------------------------------------------------------------------------------- the short way
+
+-- Most telegrams are statuses and speeds, and most of the time nobody looks at their fields: a
+-- filter on other fields, the list of packets, a first reading. Then their numbers are read alone.
+-- By kind: the size, the numbers behind the head, and their names.
+local SHORT_STATUSES = {
+    differential = {size = 27, format = "<I8ffff", "target_linear_m_s", "current_linear_m_s",
+        "target_angular_rad_s", "current_angular_rad_s"},
+    localization = {size = 39, format = "<I8ddd", "x_m", "y_m", "theta_rad"},
+    battery = {size = 13, format = "<I8BB", "state", "remaining_percent"},
+    telemeter = {format = "<I8"},
+    iocard = {format = "<I8"},
+}
+local STATUS_HEAD = 11
+local COMMAND_SIZE = 11
+local TITLES = {}
+for kind, name in pairs(KIND_NAMES) do
+    TITLES[kind] = {status = name .. " status", command = name .. " command"}
+end
+
+local SHORT_INFOS = {
+    differential = function(v) return speeds_text(v) end,
+    localization = function(v)
+        return string.format("x %.3f m, y %.3f m, theta %.3f rad", v.x_m, v.y_m, v.theta_rad)
+    end,
+    battery = function(v)
+        return string.format("%s, %d %%", BATTERY_STATES[v.state] or v.state, v.remaining_percent)
+    end,
+}
+
+local function has_size(kind, layout, size, counts)
+    if kind == "telemeter" then
+        return size >= STATUS_HEAD and (size - STATUS_HEAD) % 4 == 0
+    elseif kind == "iocard" then
+        counts = counts or MANUAL_COUNTS
+        return size == STATUS_HEAD + 4 * counts.analog_inputs +
+            math.floor((counts.digital_inputs + 7) / 8)
+    end
+    return size == layout.size
+end
+
+-- The values of a status or a speed command of the right size; else nil.
+local function read_shortly(buf, context)
+    local size = buf:len()
+    if size < COMMAND_SIZE then
+        return nil
+    end
+    local raw = buf:raw()
+    local first, low, high = raw:byte(1, 3)
+    if first ~= 0xFF then
+        return nil
+    end
+    local service = low + 256 * high
+    local kind = context.kinds[service]
+    local v = {service = service, kind = kind}
+    if context.to_robot then
+        if kind ~= "differential" or size ~= COMMAND_SIZE then
+            return nil
+        end
+        v.what = "command"
+        v.linear_m_s, v.angular_rad_s = Struct.unpack("<ff", raw, 4)
+    else
+        local layout = SHORT_STATUSES[kind]
+        if layout == nil or not has_size(kind, layout, size, context.counts) then
+            return nil
+        end
+        v.what = "status"
+        local a, b, c, d
+        v.cycles, a, b, c, d = Struct.unpack(layout.format, raw, 4)
+        if layout[1] ~= nil then
+            v[layout[1]], v[layout[2]] = a, b
+            if layout[3] ~= nil then
+                v[layout[3]] = c
+                if layout[4] ~= nil then
+                    v[layout[4]] = d
+                end
+            end
+        end
+        v.assumed = kind == "iocard" and context.counts == nil
+    end
+    v.title = TITLES[kind][v.what]
+    local info = SHORT_INFOS[kind]
+    v.info = info and info(v)
+    return v
+end
+
+local itself -- what tells whether anybody looks at a field; known once all plugins are loaded
 local icmp_type = Field.new("icmp.type")
 
 function roburoc4.dissector(buf, pinfo, root)
@@ -964,24 +1096,49 @@ function roburoc4.dissector(buf, pinfo, root)
     local is_quoted = icmp_type() ~= nil -- in the network's report that it was not delivered
     local record = not is_quoted and frames[pinfo.number]
     local is_new = not record
+    local flow, context
     if is_new then
-        record = begin_record(pinfo, buf)
+        flow = flow_of(pinfo, buf)
+        context = context_of(flow)
+        record = setmetatable({}, context)
     end
-    local reader = new_reader(buf, tree)
-    local v = read_telegram(reader, record)
+    itself = itself or Dissector.get("roburoc4")
+    local is_shown = tree:referenced(itself)
+    local v = not is_shown and not is_quoted and read_shortly(buf, record)
+    local reader
+    if not v then
+        reader = new_reader(buf, tree)
+        v = read_telegram(reader, record)
+    end
     if is_new and not is_quoted then
-        frames[pinfo.number] = record
         learn(record, v, pinfo)
+        if next(record) == nil then
+            -- what the status itself showed of the time; nothing else
+            context = context.offset == flow.client.offset and context or context_of(flow)
+            record = context
+        elseif v.what == "status" then
+            record.offset = flow.client.offset
+        end
+        frames[pinfo.number] = record
     end
-    check_layout(reader, v)
+    if reader ~= nil then
+        check_layout(reader, v)
+    elseif v.assumed then
+        tree:add_proto_expert_info(experts.counts)
+    end
     if not v.short then
         check_speeds(tree, v, record.limits)
     end
-    show_conclusions(tree, record, is_new)
-    tree:append_text(", " .. v.title)
+    if reader ~= nil then
+        show_conclusions(tree, record, v, pinfo, is_new)
+    end
+    show_notes(tree, record)
     if not is_quoted then
         pinfo.cols.protocol = "RobuROC4"
         pinfo.cols.info = v.title .. (v.info and ": " .. v.info or "")
+    end
+    if is_shown then
+        tree:append_text(", " .. v.title)
     end
 end
 
@@ -992,6 +1149,7 @@ roburoc4:register_heuristic("udp", function(buf, pinfo, root)
     if not is_recording(pinfo) then
         return false
     end
+    pinfo.conversation = roburoc4 -- what follows between these two needs no second look
     roburoc4.dissector(buf, pinfo, root)
     return true
 end)

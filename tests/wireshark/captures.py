@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Captures made for tests, and what tshark shows of them."""
 
+import contextlib
 import os
 import shutil
 import struct
@@ -8,6 +9,7 @@ import subprocess
 import tempfile
 import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -96,20 +98,31 @@ def upper_pdu(data: bytes) -> bytes:
     return struct.pack(">HH", 12, len(name)) + name + struct.pack(">HH", 0, 0) + data
 
 
-def run(*arguments: str, capture: bytes = b"") -> str:
-    """What tshark prints, of a capture named CAPTURE; fails if tshark or a Lua script does."""
-    with tempfile.TemporaryDirectory() as home:
-        plugins = Path(home) / ".local" / "lib" / "wireshark" / "plugins"
+@contextlib.contextmanager
+def home(capture: bytes) -> Iterator[str]:
+    """A folder with the dissector and a capture named CAPTURE, of the user who runs tshark."""
+    with tempfile.TemporaryDirectory() as folder:
+        plugins = Path(folder) / ".local" / "lib" / "wireshark" / "plugins"
         plugins.mkdir(parents=True)
         shutil.copy(DISSECTOR, plugins)
-        Path(home, CAPTURE).write_bytes(capture)
+        Path(folder, CAPTURE).write_bytes(capture)
         if USER:
-            for path in (Path(home), *Path(home).rglob("*")):
+            for path in (Path(folder), *Path(folder).rglob("*")):
                 os.chown(path, NOBODY, NOBODY)
+        yield folder
+
+
+def _environment(folder: str) -> dict[str, str]:
+    return {**os.environ, "HOME": folder, "XDG_CONFIG_HOME": folder, "LC_ALL": "C.UTF-8"}
+
+
+def run(*arguments: str, capture: bytes = b"") -> str:
+    """What tshark prints, of a capture named CAPTURE; fails if tshark or a Lua script does."""
+    with home(capture) as folder:
         done = subprocess.run(
             ["tshark", *arguments],
-            cwd=home,
-            env={**os.environ, "HOME": home, "XDG_CONFIG_HOME": home, "LC_ALL": "C.UTF-8"},
+            cwd=folder,
+            env=_environment(folder),
             capture_output=True,
             check=False,
             text=True,
@@ -119,6 +132,23 @@ def run(*arguments: str, capture: bytes = b"") -> str:
     assert done.returncode == 0, done.stderr
     assert "Lua" not in done.stderr, done.stderr
     return done.stdout
+
+
+def peak_bytes(*arguments: str, capture: bytes) -> int:
+    """How much memory tshark takes at most; on Linux."""
+    with home(capture) as folder:
+        process = subprocess.Popen(
+            ["tshark", *arguments],
+            cwd=folder,
+            env=_environment(folder),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            **USER,
+        )
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode == 0
+    return usage.ru_maxrss * 1024
 
 
 def read(capture: bytes, *options: str) -> str:

@@ -12,6 +12,7 @@ import unittest
 from typing import ClassVar
 
 from captures import (
+    CAPTURE,
     ETHERNET,
     IP_ICMP,
     RAW_IP,
@@ -23,6 +24,7 @@ from captures import (
     experts,
     ip,
     pcapng,
+    peak_bytes,
     read,
     run,
     show,
@@ -591,6 +593,62 @@ class Table(unittest.TestCase):
             assert set(named[field]) == {int(number, 0) for number in numbers}, field
         errors = re.findall(r"#define ROBUROC4_ERROR_\w+ (\w+)", HEADER)
         assert set(named["error"]) == {int(number, 0) for number in errors} - {16}
+
+
+class Size(unittest.TestCase):
+    """A recording of a day can be opened."""
+
+    @staticmethod
+    def talk(seconds: int) -> Talk:
+        """What a client that drives exchanges with a robot, 20 times a second."""
+        talk = Talk()
+        for cycle in range(0, 100 * seconds, 5):
+            at = cycle / 100
+            wave = math.sin(at)
+            talk.say(at, struct.pack("<BHQdddI", 0xFF, 5, cycle, at, wave, 0.1, 4))
+            talk.say(at, struct.pack("<BHQffff", 0xFF, 6, cycle, wave, wave, 0, 0))
+            talk.say(at, struct.pack("<BHQ9f", 0xFF, 2, cycle, *(0.0,) * 9) + bytes(3))
+            talk.ask(at + 0.001, struct.pack("<BHff", 0xFF, 6, wave, 0))
+            if cycle % 100 == 0:
+                talk.say(at, struct.pack("<BHQBB", 0xFF, 4, cycle, 2, 90))
+                talk.say(at, struct.pack("<BHQff", 0xFF, 3, cycle, 1.0, 2.0))
+        return talk
+
+    def test_the_list_of_packets_is_the_same_whether_fields_are_read_or_not(self) -> None:
+        talk = self.talk(3)
+        talk.say(3.5, struct.pack("<BHQffff", 0xFF, 6, 320, math.nan, 0.5, 0, 0))  # lost, late
+        talk.say(3.6, struct.pack("<BHQffff", 0xFF, 6, 100, 0.5, 0.5, 0, 0))  # restarted
+        talk.say(3.7, struct.pack("<BHQfff", 0xFF, 6, 105, 0.5, 0.5, 0))  # too short
+        capture = pcapng(RAW_IP, talk.frames)
+        columns = ["-T", "fields", "-e", "_ws.col.Info"]
+        alone = read(capture, *columns).splitlines()
+        beside = [
+            line.split("\t")[0]
+            for line in read(capture, *columns, "-e", "roburoc4.service").splitlines()
+        ]
+        assert alone == beside
+        assert "Differential status: 0.500 m/s, 0.000 rad/s" in alone
+        shown = ["-q", "-z", "expert"]
+        found = read(capture, *shown)
+        assert found == read(capture, *shown, "-2", "-R", "roburoc4.service")
+        for words in ("not a finite number", "restarted", "Malformed", "statuses were lost"):
+            assert words in found
+
+    def test_a_packet_costs_at_most_200_bytes(self) -> None:
+        seconds = [60, 960]
+        sizes = [self.peak_bytes(self.talk(each)) for each in seconds]
+        packets = 82 * (seconds[1] - seconds[0])
+        assert (sizes[1] - sizes[0]) / packets < 200
+
+    @staticmethod
+    def peak_bytes(talk: Talk) -> int:
+        """How much memory tshark takes at most."""
+        heads = [pcapng(RAW_IP, [])]
+        blocks = [
+            pcapng(RAW_IP, talk.frames[at : at + 500])[len(heads[0]) :]
+            for at in range(0, len(talk.frames), 500)
+        ]
+        return peak_bytes("-q", "-r", CAPTURE, capture=b"".join(heads + blocks))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Captures of any tool are read, truncated or not; a damaged one is an error and no crash."""
 
+import gzip
 import random
 from contextlib import suppress
 from itertools import permutations
@@ -45,6 +46,25 @@ def test_each_form_of_a_capture_has_the_same_datagrams(
     assert callable(form)
     data = form(PACKETS, link=link, order=order, nanoseconds=nanoseconds)
     assert read(tmp_path / "a", data) == PACKETS
+
+
+@pytest.mark.parametrize("form", [pcap, pcapng])
+def test_a_compressed_capture_has_the_same_datagrams(tmp_path: Path, form: object) -> None:
+    assert callable(form)
+    data = gzip.compress(form(PACKETS))
+    assert read(tmp_path / "a.gz", data) == PACKETS
+    (tmp_path / "cut.gz").write_bytes(data[:-20])
+    capture = Capture(tmp_path / "cut.gz")
+    found = [Packet(*datagram[:4]) for datagram in capture]
+    assert found == PACKETS[: len(found)]
+    assert capture.cut
+
+
+def test_a_bag_of_ros_1_and_a_pipe_are_refused_with_the_reason(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="a bag of ROS 1"):
+        read(tmp_path / "a.bag", b"#ROSBAG V2.0\n")
+    with pytest.raises(RecordingError, match=r"is no file, .*: save it to a file first"):
+        next(iter(Capture("/dev/null")))
 
 
 def test_the_direction_is_read_where_the_file_has_it(tmp_path: Path) -> None:

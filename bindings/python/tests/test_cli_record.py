@@ -301,6 +301,19 @@ def test_a_recording_may_go_to_a_named_pipe(tmp_path: Path) -> None:
     assert copy.stat().st_size > 1000
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes on this system")
+def test_the_end_of_who_reads_the_pipe_ends_the_recording(tmp_path: Path) -> None:
+    pipe = tmp_path / "run.pcapng"
+    os.mkfifo(pipe)
+    with (
+        roburoc4.Simulator(port=0) as sim,
+        subprocess.Popen(["head", "-c", "3000", str(pipe)], stdout=subprocess.DEVNULL),
+    ):
+        done = run("record", str(pipe), "--seconds", "100", robot=sim.address)
+    assert done.returncode == 0, done.stderr
+    assert "was closed" in one_line(done.stderr)
+
+
 @pytest.mark.parametrize("suffix", [".csv", ".mcap", ".pcapng"])
 def test_without_a_robot_no_file_is_left(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"run{suffix}"

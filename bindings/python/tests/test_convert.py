@@ -9,10 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from capture_support import BEGIN_US, ROBOT, drive, pcap, statuses, write
 from cli_support import document, one_line, run, start
 from conftest import size_of, until
+from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
+from rosbags.interfaces import QosDurability, QosReliability
+from rosbags.rosbag2.metadata import parse_qos
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 import roburoc4
@@ -31,7 +35,22 @@ TOPICS = {
     "/cmd_vel_applied": "geometry_msgs/msg/TwistStamped",
     "/cmd_vel_sent": "geometry_msgs/msg/TwistStamped",
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
+    "/bumpers/front": "std_msgs/msg/Bool",
+    "/bumpers/rear": "std_msgs/msg/Bool",
+    "/inhibited": "std_msgs/msg/Bool",
+    "/robot_description": "std_msgs/msg/String",
 }
+OF_A_ROBOT = {
+    "/pad/joy",
+    "/cmd_vel_sent",
+    "/diagnostics",
+    "/tf_static",
+    "/bumpers/front",
+    "/bumpers/rear",
+    "/inhibited",
+    "/robot_description",
+}
+"""What statuses alone do not have."""
 
 
 @pytest.fixture
@@ -85,8 +104,60 @@ def test_an_mcap_file_has_the_values_that_were_sent(path: Path, tmp_path: Path) 
     applied = found["/cmd_vel_applied"][0][1].twist
     assert (applied.linear.x, applied.angular.z) == (0.5, 0.5)
     assert len(found["/cmd_vel_sent"]) == 103
-    texts = [one.status[0].message for _, one in found["/diagnostics"]]
+    arrays = [one.status for _, one in found["/diagnostics"]]
+    texts = [one[0].message for one in arrays if one[0].name == "roburoc4"]
     assert texts[-1] == "192.168.0.5:40001 stopped the robot, after 5.0 s of driving"
+
+
+def test_an_mcap_file_has_what_the_node_publishes_besides_statuses(
+    path: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "run.mcap"
+    assert run("convert", str(path), str(out)).returncode == 0
+    found = messages(out)
+    (description,) = [one.data for _, one in found["/robot_description"]]
+    assert '<link name="range_front"' in description
+    assert [one.data for _, one in found["/inhibited"]] == [False] * len(found["/inhibited"])
+    assert len(found["/bumpers/front"]) in {5, 6}, "once a second"
+    names = {each.name for _, one in found["/diagnostics"] for each in one.status}
+    assert {f"roburoc4: {name}" for name in ("link", "driving", "battery", "versions")} <= names
+
+
+def test_ros2_bag_finds_qos_and_metadata_in_an_mcap_file(path: Path, tmp_path: Path) -> None:
+    out = tmp_path / "run.mcap"
+    done = document(run("convert", str(path), str(out), "--json"))
+    with out.open("rb") as file:
+        reader = make_reader(file)
+        summary = reader.get_summary()
+        records = {one.name: one.metadata for one in reader.iter_metadata()}
+    assert summary is not None
+    stored = yaml.safe_load(records["rosbag2"]["serialized_metadata"])
+    assert stored["version"] < 9, "since version 9, rosbag2 expects names instead of numbers"
+    assert stored["message_count"] == done["messages"]
+    counts = {
+        one["topic_metadata"]["name"]: one["message_count"]
+        for one in stored["topics_with_message_count"]
+    }
+    assert counts == {name: len(found) for name, found in messages(out).items()}
+    latched = set()
+    for channel in summary.channels.values():
+        (profile,) = yaml.safe_load(channel.metadata["offered_qos_profiles"])
+        (parsed,) = parse_qos(channel.metadata["offered_qos_profiles"])
+        assert parsed.reliability is QosReliability.RELIABLE
+        assert profile["deadline"] == {"sec": 9223372036, "nsec": 854775807}
+        if parsed.durability is QosDurability.TRANSIENT_LOCAL:
+            latched.add(channel.topic)
+    assert latched == {
+        "/tf_static",
+        "/robot_description",
+        "/bumpers/front",
+        "/bumpers/rear",
+        "/inhibited",
+    }
+    about = records["roburoc4"]
+    assert about["library"] == f"roburoc4 {roburoc4.__version__}"
+    assert about["address"] == "192.168.0.2:60000"
+    assert "differential" in about["services"].lower()
 
 
 def test_the_definitions_are_those_of_ros() -> None:
@@ -128,7 +199,7 @@ def test_csv_becomes_mcap_and_mcap_becomes_csv(path: Path, tmp_path: Path) -> No
     assert back.returncode == 0, back.stderr
     assert "robot_cycles" in one_line(back.stderr)
     topics = set(messages(bag))
-    assert topics == set(TOPICS) - {"/pad/joy", "/cmd_vel_sent", "/diagnostics", "/tf_static"}
+    assert topics == set(TOPICS) - OF_A_ROBOT
     before, after = rows(first), rows(second)
     left_out = {name for name in before[0] if name not in after[0]}
     assert {name for name in left_out if not name.startswith("iocard_")} == {

@@ -7,10 +7,12 @@ where a file is truncated and skip the drop counts, and a datagram takes 5 (dpkt
 times as long.
 """
 
+import gzip
 import struct
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import IO, NamedTuple
+from typing import IO, NamedTuple, cast
 
 from .constants import Result
 from .errors import RecordingError
@@ -23,6 +25,7 @@ PCAP_MAGIC = {
     b"\x4d\x3c\xb2\xa1": ("<", 1000),
     b"\xa1\xb2\x3c\x4d": (">", 1000),
 }
+_GZIP = b"\x1f\x8b"
 MOST_BLOCK = 16 << 20
 _MOST_FRAGMENTED = 64
 _OPTION_FLAGS, _OPTION_DROPPED, _OPTION_RESOLUTION, _OPTION_OFFSET, _OPTION_ISB_DROPPED = (
@@ -80,18 +83,18 @@ class Capture:
         self._fragments: dict[bytes, dict[int, bytes]] = {}
 
     def __iter__(self) -> Iterator[Datagram]:
-        try:
-            opened = self.path.open("rb")
-        except (OSError, ValueError) as error:
-            cause = getattr(error, "strerror", None) or error
-            raise RecordingError(f"{self.path} cannot be read ({cause})", Result.SYSTEM) from None
-        with opened as file:
+        with self._open() as file:
             magic = file.read(4)
             file.seek(0)
             if magic in PCAP_MAGIC:
                 packets = self._pcap(file)
             elif magic == b"\n\r\r\n":
                 packets = self._pcapng(file)
+            elif magic == b"#ROS":
+                raise RecordingError(
+                    f"{self.path} is a bag of ROS 1, which has messages instead of the robot's "
+                    "datagrams: give a pcapng or pcap file"
+                )
             elif len(magic) < 4:
                 raise RecordingError(f"{self.path} is empty: nothing was recorded")
             else:
@@ -107,9 +110,31 @@ class Capture:
 
     # ---- files ----
 
+    def _open(self) -> IO[bytes]:
+        """Open the file, compressed by gzip or not."""
+        if self.path.exists() and not self.path.is_file():
+            raise RecordingError(
+                f"{self.path} is no file, and a recording is read more than once: save it to a "
+                "file first"
+            )
+        try:
+            file = self.path.open("rb")
+        except (OSError, ValueError) as error:
+            cause = getattr(error, "strerror", None) or error
+            raise RecordingError(f"{self.path} cannot be read ({cause})", Result.SYSTEM) from None
+        if file.read(2) == _GZIP:
+            file.close()
+            return cast("IO[bytes]", gzip.open(self.path))
+        file.seek(0)
+        return file
+
     def _take(self, file: IO[bytes], size: int) -> bytes | None:
         """Read this many bytes; None at the end, or where the file is truncated."""
-        data = file.read(size)
+        try:
+            data = file.read(size)
+        except (EOFError, zlib.error, gzip.BadGzipFile):
+            data = b""
+            self.cut += 1
         if len(data) == size:
             return data
         self.cut += len(data)

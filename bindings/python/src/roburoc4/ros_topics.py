@@ -37,6 +37,10 @@ TOPICS = {
     "cmd_vel_applied": "geometry_msgs/TwistStamped",
     "cmd_vel_sent": "geometry_msgs/TwistStamped",
     "diagnostics": "diagnostic_msgs/DiagnosticArray",
+    "bumpers/front": "std_msgs/Bool",
+    "bumpers/rear": "std_msgs/Bool",
+    "inhibited": "std_msgs/Bool",
+    "robot_description": "std_msgs/String",
 }
 RANGES = ("front", "rear")
 UNKNOWN = math.nan
@@ -101,12 +105,12 @@ class Messages:
         self._address = address
         self._offset_us = round(offset_s * 1e6)
         self._report = report
-        self._frames = frames or Frames()
-        self._base = self._frames.named(self._frames.base)
+        self.frames = frames or Frames()
+        self._base = self.frames.named(self.frames.base)
         self._properties = _NO_PROPERTIES
         self._placed = _NO_PROPERTIES.telemeter
         self._read_properties()
-        self._odometry = Odometry(self._frames)
+        self._odometry = Odometry(self.frames)
         self._inputs: IoCardStatus | None = None
         self._pad: tuple[list[int], list[int]] | None = None
         self._makers: dict[type, Callable[[Any], Iterator[Message]]] = {
@@ -159,7 +163,7 @@ class Messages:
                 about = known[index]
                 bounds = (about.field_of_view_rad, about.min_distance_m, about.max_distance_m)
                 metres = _by_rep_117(metres, about.min_distance_m, about.max_distance_m)
-            message = Cdr().header(status.utc_s, self._frames.named(f"range_{name}"))
+            message = Cdr().header(status.utc_s, self.frames.named(f"range_{name}"))
             # the last one is the variance: not known
             message.numbers("B", _ULTRASOUND).numbers("f", *bounds, metres, 0.0)
             yield f"range/{name}", bytes(message.data)
@@ -170,7 +174,7 @@ class Messages:
         message = Cdr().numbers("I", len(places))
         for name, one in places:
             pose = pose_of(one.x_m, one.y_m, one.theta_rad)
-            message.transform(made_s, (self._base, self._frames.named(f"range_{name}")), pose)
+            message.transform(made_s, (self._base, self.frames.named(f"range_{name}")), pose)
         return bytes(message.data)
 
     def _battery(self, status: BatteryStatus) -> Iterator[Message]:

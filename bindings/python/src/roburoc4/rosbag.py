@@ -4,34 +4,32 @@
 A robot obeys none of these topics: playing a recording drives nothing.
 """
 
+import json
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import IO
 
-from .cdr import CdrReader
+from . import __version__
+from .cdr import Cdr, CdrReader
 from .errors import RecordingError
 from .records import BatteryStatus, DifferentialStatus, LocalizationStatus, Status, TelemeterStatus
 from .robot import Robot
+from .ros2.state import conditions, diagnoses
+from .ros2.topics import DEFAULT, PUBLISHED
+from .ros2.urdf import urdf
 from .ros_messages import definition, ros_name
-from .ros_topics import TOPICS, UNKNOWN, Item, Messages
+from .ros_topics import TOPICS, UNKNOWN, Item, Messages, diagnostics
+from .settings import STATUS_SERVICES
 
 _CHUNK = 256 * 1024
 _CYCLES_IN_A_SECOND = 100
 _COVARIANCE_SIZE = 36
-# The QoS with which ros2 bag play publishes it: late listeners need it, too. As numbers, which
-# Humble also reads: keep last, reliable, transient local; durations are infinite.
-_LATCHED = """\
-- history: 1
-  depth: 1
-  reliability: 1
-  durability: 1
-  deadline: {sec: 9223372036, nsec: 854775807}
-  lifespan: {sec: 9223372036, nsec: 854775807}
-  liveliness: 1
-  liveliness_lease_duration: {sec: 9223372036, nsec: 854775807}
-  avoid_ros_namespace_conventions: false
-"""
+# As rosbag2 wrote it until Iron, and reads it since: QoS with numbers.
+_ROSBAG2_VERSION = 5
+_LOOK_US = 1_000_000
+_NODE = "roburoc4"
 
 
 class RosBag:
@@ -53,24 +51,58 @@ class RosBag:
         self._messages = Messages(robot, address, offset_s)
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
+        self._robot = robot
+        self._address = address
         self._time_ns = 0
-        self.messages = 0
+        self._first_ns: int | None = None
+        self._counts: Counter[str] = Counter()
+        self._conditions: dict[str, bool] = {}
+        self._looked_us = -_LOOK_US
+        self._description = ""
+
+    @property
+    def messages(self) -> int:
+        """How many messages were written."""
+        return self._counts.total()
 
     def add(self, item: Item) -> None:
         """Write a status, a command or an event."""
         self._time_ns = self._messages.seen_us(item) * 1000
         self._write(self._messages.of(item))
+        if self._robot is not None:
+            self._write(self._state(self._robot, self._time_ns // 1000))
+
+    def _state(self, robot: Robot, now_us: int) -> Iterator[tuple[str, bytes]]:
+        """Make what the node publishes besides statuses: changes, and all of it once a second."""
+        is_due = now_us - self._looked_us >= _LOOK_US
+        before, self._conditions = self._conditions, conditions(robot)
+        for topic, condition in self._conditions.items():
+            if is_due or before.get(topic) is not condition:
+                yield topic, bytes(Cdr().numbers("B", condition).data)
+        if not is_due:
+            return
+        self._looked_us = now_us
+        yield "diagnostics", diagnostics(now_us / 1e6, self._address, diagnoses(robot, _NODE))
+        properties = robot.properties
+        description = urdf(self._messages.frames, properties) if properties.services else ""
+        if description != self._description:
+            self._description = description
+            yield "robot_description", bytes(Cdr().text(description).data)
 
     def _write(self, messages: Iterable[tuple[str, bytes]]) -> None:
         for topic, message in messages:
             if topic not in self._channels:
                 self._channels[topic] = self._channel(topic)
             self._writer.add_message(self._channels[topic], self._time_ns, message, self._time_ns)
-            self.messages += 1
+            self._counts[topic] += 1
+            if self._first_ns is None:
+                self._first_ns = self._time_ns
 
     def finish(self) -> None:
         """Complete the file."""
         self._write(self._messages.rest())
+        self._writer.add_metadata("rosbag2", {"serialized_metadata": self._rosbag2()})
+        self._writer.add_metadata("roburoc4", self._about())
         self._writer.finish()  # type: ignore[no-untyped-call]
 
     def _channel(self, topic: str) -> int:
@@ -79,8 +111,66 @@ class RosBag:
             self._schemas[kind] = self._writer.register_schema(
                 ros_name(kind), "ros2msg", definition(kind).encode()
             )
-        metadata = {"offered_qos_profiles": _LATCHED} if topic == "tf_static" else {}
+        metadata = {"offered_qos_profiles": _qos(topic)}
         return self._writer.register_channel(f"/{topic}", "cdr", self._schemas[kind], metadata)
+
+    def _rosbag2(self) -> str:
+        """Return what rosbag2 stores of a file, as YAML (of which JSON is a part)."""
+        topics = [
+            {
+                "topic_metadata": {
+                    "name": f"/{topic}",
+                    "type": ros_name(TOPICS[topic]),
+                    "serialization_format": "cdr",
+                    "offered_qos_profiles": _qos(topic),
+                },
+                "message_count": count,
+            }
+            for topic, count in self._counts.items()
+        ]
+        first_ns = self._first_ns or 0
+        times = {
+            "duration": {"nanoseconds": self._time_ns - first_ns if self._first_ns else 0},
+            "starting_time": {"nanoseconds_since_epoch": first_ns},
+            "message_count": self.messages,
+        }
+        metadata: dict[str, object] = {
+            "version": _ROSBAG2_VERSION,
+            "storage_identifier": "mcap",
+            "relative_file_paths": [],
+            **times,
+            "topics_with_message_count": topics,
+            "compression_format": "",
+            "compression_mode": "",
+            "files": [],
+        }
+        return json.dumps(metadata)
+
+    def _about(self) -> dict[str, str]:
+        """Return what is known of the robot, the library and the settings."""
+        found = {"library": f"roburoc4 {__version__}", "address": self._address}
+        if self._robot is None:
+            return found
+        properties = self._robot.properties
+        services = [f"{each.name or each.kind} ({each.id})" for each in properties.services]
+        found["services"] = ", ".join(services)
+        for name in ("differential", "battery", "localization"):
+            found[name] = str(getattr(properties, name))
+        periods = {name: self._robot.period_s(name) for name in STATUS_SERVICES}
+        found["periods_s"] = json.dumps({name: round(each, 3) for name, each in periods.items()})
+        return found
+
+
+def _qos(topic: str) -> str:
+    """Return the QoS with which `ros2 bag play` publishes a topic: the node's."""
+    profile = PUBLISHED[topic].profile if topic in PUBLISHED else DEFAULT
+    endless = "{sec: 9223372036, nsec: 854775807}"
+    return (
+        f"- history: 1\n  depth: {profile.depth}\n  reliability: 1\n"
+        f"  durability: {1 if profile.latched else 2}\n"
+        f"  deadline: {endless}\n  lifespan: {endless}\n  liveliness: 1\n"
+        f"  liveliness_lease_duration: {endless}\n  avoid_ros_namespace_conventions: false\n"
+    )
 
 
 # ------------------------------------------------------------------------------------ reading

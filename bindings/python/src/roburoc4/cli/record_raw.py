@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import time
 import warnings
@@ -66,6 +67,8 @@ def _wait(options: RecordOptions, robot: Robot) -> None:
             robot.sleep(min(_LOOK_S, length_s - elapsed_s))
             if (state := robot.recorder) is not None:
                 show(elapsed_s, f"recording  {state.recorded} datagrams")
+                if state.system_error == errno.EPIPE:
+                    return
 
 
 def _remove_without_answer(path: Path) -> None:
@@ -86,6 +89,9 @@ def _report(options: RecordOptions, state: RecorderState | None) -> ExitCode:
     else:
         print(f"{state.path}: {state.recorded} datagrams")
     if not (state.dropped or state.system_error):
+        return ExitCode.FINE
+    if state.system_error == errno.EPIPE:
+        note(f"the program that read {state.path}, such as Wireshark, was closed: ended")
         return ExitCode.FINE
     note(
         f"{state.dropped} datagrams are missing in {state.path} because the disk was full or slow: "

@@ -89,6 +89,11 @@ def run(options: ReplayOptions) -> int:
         print(f"replay: ready on {host}:{number}, recorded from {recording.address}", file=out)
         address = "127.0.0.1" if host == "0.0.0.0" else host
         print(f"export ROBUROC4_ROBOT={address}:{number}", file=out, flush=True)
+        if options.speed != 1.0:
+            note(
+                f"at speed {options.speed:g}, what clients show of loss, periods and lateness is "
+                "of the replay, not of the recording"
+            )
         try:
             with progress("waiting", options.file.stat().st_size / 1e6, "MB") as show:
                 _serve(port, robot, show)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A robot's current state as messages: bumpers, inhibition, and a diagnosis."""
 
+import contextlib
 import importlib.metadata
 from collections.abc import Callable
 
@@ -31,10 +32,9 @@ def diagnoses(robot: Robot, node: str) -> list[Diagnosis]:
     """Return a robot's entry in /diagnostics."""
     makers: list[Callable[[Robot], Diagnosis]] = [_link, _driving, _battery]
     found = [make(robot) for make in makers]
-    versions = {
-        "roburoc4": __version__,
-        "cyclonedds": importlib.metadata.version("cyclonedds"),
-    }
+    versions = {"roburoc4": __version__}
+    with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # not for recordings
+        versions["cyclonedds"] = importlib.metadata.version("cyclonedds")
     found.append(Diagnosis(_FINE, "versions", __version__, versions))
     return [one._replace(name=f"{node}: {one.name}") for one in found]
 

@@ -57,12 +57,12 @@ PUBLISHED: dict[str, Topic] = dict(
         _of_statuses("range/front"),
         _of_statuses("range/rear"),
         _of_statuses("pad/joy"),
-        ("bumpers/front", Topic("bumpers/front", "std_msgs/Bool", LATCHED)),
-        ("bumpers/rear", Topic("bumpers/rear", "std_msgs/Bool", LATCHED)),
-        ("inhibited", Topic("inhibited", "std_msgs/Bool", LATCHED)),
+        _of_statuses("bumpers/front", profile=LATCHED),
+        _of_statuses("bumpers/rear", profile=LATCHED),
+        _of_statuses("inhibited", profile=LATCHED),
         _of_statuses("diagnostics", "/diagnostics"),
         ("rosout", Topic("/rosout", "rcl_interfaces/Log", LOG)),
-        ("robot_description", Topic("robot_description", "std_msgs/String", LATCHED)),
+        _of_statuses("robot_description", profile=LATCHED),
     )
 )
 
