@@ -130,6 +130,11 @@ class Server(uvicorn.Server):
         self._fleet = fleet
         self._on_ready = on_ready
 
+    def run(self, sockets: list[socket.socket] | None = None) -> None:
+        """Serve. A signal counts before the loop runs, which would lose the exception."""
+        with self.capture_signals():
+            super().run(sockets)
+
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Begin to serve."""
         await super().startup(sockets)
