@@ -243,8 +243,10 @@ static void put_udp(cursor *c, const roburoc4_address *from, const roburoc4_addr
     put_net_16(c, to->port);
     put_net_16(c, (uint32_t)udp_size);
     put_net_16(c, 0); /* no checksum, which IPv6 does not allow */
-    memcpy(c->at, datagram, size);
-    c->at += size;
+    if (size > 0) {   /* an empty one may have no bytes at all */
+        memcpy(c->at, datagram, size);
+        c->at += size;
+    }
     if (to->family == 6) {
         uint32_t sum = sum_16(17u + (uint32_t)udp_size, from->ip, 16);
         sum = sum_16(sum, to->ip, 16);
