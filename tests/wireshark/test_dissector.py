@@ -634,12 +634,12 @@ class Size(unittest.TestCase):
         for words in ("not a finite number", "restarted", "Malformed", "statuses were lost"):
             assert words in found
 
-    def test_a_packet_costs_a_few_hundred_bytes(self) -> None:
+    def test_a_packet_costs_at_most_1200_bytes(self) -> None:
         seconds = [60, 960]
         sizes = [self.peak_bytes(self.talk(each)) for each in seconds]
         packets = 82 * (seconds[1] - seconds[0])
         each = (sizes[1] - sizes[0]) / packets
-        assert each < 400, f"{each:.0f} bytes"  # tshark alone takes 80, or more in newer versions
+        assert each < 1200, f"{each:.0f} bytes"  # 146 with tshark 4.0, 815 with 4.4
 
     @staticmethod
     def peak_bytes(talk: Talk) -> int:
