@@ -71,7 +71,7 @@ def test_a_recording_continues_without_the_page(station: Make, visit: Visit) -> 
         summary = make_reader(file).get_summary()
     assert summary is not None
     topics = {channel.topic for channel in summary.channels.values()}
-    assert topics >= {"/odom", "/battery_state", "/joy", "/diagnostics"}
+    assert topics >= {"/odom", "/battery_state", "/pad/joy", "/diagnostics"}
     expect(page.get_by_role("link", name="pcapng")).to_be_hidden()
 
 
