@@ -223,7 +223,7 @@ def test_no_tab_is_cut_off_at_its_side(station: Make, visit: Visit) -> None:
             wide, room = page.locator(f"#panel-{tab}").evaluate(
                 "(node) => [node.scrollWidth, node.clientWidth]"
             )
-            assert wide <= room, (size, tab)
+            assert wide <= room + 1, (size, tab)  # both are rounded
 
 
 def test_targets_are_large_enough_for_fingers(station: Make, visit: Visit) -> None:
