@@ -15,7 +15,15 @@ from hypothesis import strategies as st
 from station import until
 
 import roburoc4
-from roburoc4.dashboard.control import FORGOTTEN_S, Control, ControlError, Input, Viewer, limits_of
+from roburoc4.dashboard.control import (
+    FORGOTTEN_S,
+    IDLE_S,
+    Control,
+    ControlError,
+    Input,
+    Viewer,
+    limits_of,
+)
 from roburoc4.dashboard.going import Goal, Going
 from roburoc4.dashboard.ticks import Ticks
 
@@ -139,6 +147,25 @@ def test_a_page_that_leaves_unarmed_takes_the_robot_from_nobody(scene: Scene) ->
     scene.control.leave(scene.pages[0])
     scene.sim.step(1.0)
     assert scene.sim.state.speed_commands == 0
+
+
+def test_an_idle_driver_is_relieved_only_while_the_robot_stands(scene: Scene) -> None:
+    scene.arm()
+    driver, other = scene.pages
+    for wait_s, at_rest in ((0.0, True), (IDLE_S / 2, True), (IDLE_S / 2, False)):
+        scene.sim.step(wait_s)
+        with pytest.raises(ControlError, match="page 1 drives: ask for control"):
+            scene.control.relieve(other, scene.robot.now_s, at_rest=at_rest)
+    scene.drive(0, scene.show(), 0.0)
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(2 * LEASE_S)
+    with pytest.raises(ControlError):
+        scene.control.relieve(other, scene.robot.now_s, at_rest=True)
+    scene.sim.step(IDLE_S)
+    scene.control.relieve(other, scene.robot.now_s, at_rest=True)
+    assert scene.control.driver is other
+    assert driver is not other
+    assert not scene.robot.facts.armed
 
 
 def test_another_place_waits_until_the_first_move_has_ended() -> None:

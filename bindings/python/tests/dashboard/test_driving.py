@@ -39,8 +39,10 @@ Make = Callable[..., Station]
 def call(page: Page, name: str) -> None:
     """Give a page a name, as its user does."""
     ready(page)
+    page.bring_to_front()  # Firefox gives keys to the front page only
     open_tab(page, "link")
-    page.get_by_label("This page is called").fill(name)
+    page.get_by_label("This page is called").click()
+    page.keyboard.type(name)  # fill() leaves it empty in Firefox
     page.keyboard.press("Tab")
 
 

@@ -213,6 +213,19 @@ def test_everything_that_drives_is_whole_in_every_small_size(
         assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
+def test_no_tab_is_cut_off_at_its_side(station: Make, visit: Visit) -> None:
+    page = visit(station(panel=True).url)
+    ready(page)
+    for size in SMALL:
+        resize(page, size)
+        for tab in ("plots", "events", "io", "link", "sim"):
+            open_tab(page, tab)
+            wide, room = page.locator(f"#panel-{tab}").evaluate(
+                "(node) => [node.scrollWidth, node.clientWidth]"
+            )
+            assert wide <= room + 1, (size, tab)  # both are rounded
+
+
 def test_targets_are_large_enough_for_fingers(station: Make, visit: Visit) -> None:
     here = station(panel=True, robots=("RED", "BLUE"))
     page = visit(here.url, has_touch=True, is_mobile=True)

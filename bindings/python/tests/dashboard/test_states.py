@@ -63,6 +63,12 @@ def test_each_state_alone_has_the_banner_and_each_alarm_a_remedy(
         assert level not in ("bad", "weak") or "Try: " in text, title
 
 
+def test_driving_alone_is_no_alarm(states_of: Callable[[list[Frame]], list[Any]]) -> None:
+    driving = merged(merged(CALM, MOVES), {"facts": {"armed": True, "driving": True}})
+    (found,) = states_of([driving])
+    assert [title for level, title, _ in found if level in ("bad", "weak")] == []
+
+
 def test_no_state_says_the_opposite_of_the_measured_speed(
     states_of: Callable[[list[Frame]], list[Any]],
 ) -> None:

@@ -33,7 +33,7 @@ const STATES = [
   ["weak", "STOPPED", (s) => s.mine && s.facts.armed && s.why, (s) => end(s.why), () => "let go of everything, then drive"],
   ["go", "DRIVING", ({ facts }) => facts.armed && facts.driving, (s) => (s.going ? "By itself, to the place on the map." : s.mine ? "Letting go stops the robot." : "By another page.")],
   ["armed", "ARMED", ({ facts }) => facts.armed, (s) => (s.mine ? "Letting go stops the robot." : "The robot accepts speeds from another page.")],
-  ["weak", "MOVING", ({ facts }) => facts.at_rest === false && !facts.overridden && !facts.other_commander && !facts.stop_unconfirmed, (s) => `Nothing is commanded from here. ${motion(s)}`, () => "look who moves it; keep away from it"],
+  ["weak", "MOVING", ({ facts }) => facts.at_rest === false && !facts.armed && !facts.overridden && !facts.other_commander && !facts.stop_unconfirmed, (s) => `Nothing is commanded from here. ${motion(s)}`, () => "look who moves it; keep away from it"],
   ["calm", "DISARMED", () => true, (s) => end(s.mine ? s.why || s.facts.blocked : "") || (s.offered ? "The robot accepts no speed from here." : "This page only watches.")],
 ];
 
