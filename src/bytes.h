@@ -130,8 +130,8 @@ static inline uint64_t bits_from_f64(double value) {
  * call on machines without floating-point hardware. */
 static inline int32_t order_of(float value) {
     const uint32_t bits = bits_from_f32(value);
-    const int32_t magnitude = (int32_t)(bits & 0x7FFFFFFFU);
-    return (bits & 0x80000000U) != 0 ? -magnitude : magnitude;
+    const int32_t size = (int32_t)(bits & 0x7FFFFFFFU);
+    return (bits & 0x80000000U) != 0 ? -size : size;
 }
 
 /** Without the sign. The bits of such floats are in the order of their values, with infinity and
@@ -140,14 +140,23 @@ static inline uint32_t magnitude_bits(float value) {
     return bits_from_f32(value) & 0x7FFFFFFFU;
 }
 
+static inline float magnitude(float value) {
+    return f32_from_bits(magnitude_bits(value));
+}
+
+/** Also for -0. */
+static inline bool is_zero(float value) {
+    return magnitude_bits(value) == 0;
+}
+
 /** Whether it is a number from -limit to limit. */
 static inline bool within_f32(float value, float limit) {
     return magnitude_bits(value) <= bits_from_f32(limit);
 }
 
 /** Whether a float is finite; works even if the compiler may assume that all are. */
-static inline bool finite_f32_bits(uint32_t bits) {
-    return (bits >> 23 & 0xFF) != 0xFF;
+static inline bool is_finite(float value) {
+    return (bits_from_f32(value) >> 23 & 0xFF) != 0xFF;
 }
 
 static inline bool finite_f64_bits(uint64_t bits) {

@@ -226,19 +226,13 @@ static void tick(client *c) {
     }
 }
 
-/** The earlier of `deadline` and `since_us` plus the span. */
-static uint64_t sooner(uint64_t deadline, const uint64_t *since_us, uint32_t span_us) {
-    const uint64_t due_us = *since_us + span_us;
-    return due_us < deadline ? due_us : deadline;
-}
-
-/** Whichever is sooner: the deadline so far, or when the service's last status becomes stale. */
+/** Whichever is earlier: the deadline so far, or when the service's last status becomes stale. */
 static uint64_t stale_deadline(const client *c, uint32_t service, uint64_t deadline) {
     const roburoc4_private_link *l = &c->private_link;
     const uint64_t received_us = l->services[STATUS_INDEX(service)].received_us;
     const uint32_t fresh_us = c->private_config.fresh_ms * MS;
     const uint64_t age_us = roburoc4_link_age(l, STATUS_INDEX(service), received_us);
-    return sooner(deadline, &received_us, age_us < fresh_us ? fresh_us - (uint32_t)age_us : 0);
+    return earlier(deadline, received_us + (age_us < fresh_us ? fresh_us - age_us : 0));
 }
 
 static uint64_t next_deadline(const client *c) {
@@ -246,36 +240,34 @@ static uint64_t next_deadline(const client *c) {
     if (c->private_state == ROBUROC4_STATE_IDLE) {
         return UINT64_MAX;
     }
-    const uint64_t requests_us = roburoc4_requests_deadline(&c->private_requests);
     uint64_t deadline = roburoc4_drive_deadline(&c->private_drive, &c->private_config);
     if (c->private_state == ROBUROC4_STATE_CLOSING) {
         return deadline;
     }
-    deadline = sooner(deadline, &requests_us, 0);
+    deadline = earlier(deadline, roburoc4_requests_deadline(&c->private_requests));
     if (!connected(c) && deadline == UINT64_MAX) {
         return 0; /* just started or lost: the directory has not been requested yet */
     }
     if (connected(c)) {
-        deadline = sooner(deadline, &c->private_link.last_used_us, patience_us(c));
+        deadline = earlier(deadline, c->private_link.last_used_us + patience_us(c));
     }
     if (c->private_state == ROBUROC4_STATE_DISCOVERING && !d->identified) {
-        deadline = sooner(deadline, &d->phase_us, IDENTIFY_US);
+        deadline = earlier(deadline, d->phase_us + IDENTIFY_US);
     }
     if (roburoc4_schedule_all_declined(c)) {
-        deadline = sooner(deadline, &d->phase_us, SECOND);
+        deadline = earlier(deadline, d->phase_us + SECOND);
     }
     if (c->private_state == ROBUROC4_STATE_READY) {
-        const uint64_t silent_us = roburoc4_schedule_deadline(c);
-        deadline = sooner(deadline, &silent_us, 0);
+        deadline = earlier(deadline, roburoc4_schedule_deadline(c));
         if (roburoc4_requests_free(&c->private_requests, 0)) {
-            deadline = sooner(deadline, &d->probe_us, probe_period_us(c));
+            deadline = earlier(deadline, d->probe_us + probe_period_us(c));
         }
     }
     if (c->private_outputs.relocalizing) {
-        deadline = sooner(deadline, &c->private_outputs.relocalize_us, RELOCALIZE_US);
+        deadline = earlier(deadline, c->private_outputs.relocalize_us + RELOCALIZE_US);
     }
     if (c->private_outputs.repeats > 0) {
-        deadline = sooner(deadline, &c->private_outputs.sent_us, OUTPUT_PAUSE_US);
+        deadline = earlier(deadline, c->private_outputs.sent_us + OUTPUT_PAUSE_US);
     }
     if (c->private_drive.armed) {
         deadline = stale_deadline(c, ROBUROC4_SERVICE_DIFFERENTIAL, deadline);

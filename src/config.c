@@ -103,7 +103,7 @@ static uint32_t first_bad(const roburoc4_config *config) {
     for (uint32_t i = 0; i < COUNT(floats); i++) {
         float value;
         memcpy(&value, base + floats[i].offset, sizeof value);
-        if (!finite_f32_bits(bits_from_f32(value)) || order_of(value) < order_of(floats[i].low) ||
+        if (!is_finite(value) || order_of(value) < order_of(floats[i].low) ||
             order_of(value) > order_of(floats[i].high)) {
             return BAD_FLOAT + i;
         }

@@ -135,8 +135,7 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
     if (c->private_size != sizeof *c) {
         return ROBUROC4_ERR_STATE;
     }
-    if (!finite_f32_bits(bits_from_f32(linear_m_s)) ||
-        !finite_f32_bits(bits_from_f32(angular_rad_s))) {
+    if (!is_finite(linear_m_s) || !is_finite(angular_rad_s)) {
         return ROBUROC4_ERR_NOT_FINITE;
     }
     if (!within_f32(linear_m_s, ROBUROC4_MAX_DRIVE_M_S) ||
@@ -244,7 +243,7 @@ roburoc4_result roburoc4_client_set_analog_output(client *c, uint32_t index, flo
                                                   uint64_t now_us) {
     const roburoc4_result count =
         output_count(c, ROBUROC4_IO_ANALOG_OUTPUT, ROBUROC4_MAX_ANALOG_OUTPUTS);
-    if (!finite_f32_bits(bits_from_f32(value))) {
+    if (!is_finite(value)) {
         return ROBUROC4_ERR_NOT_FINITE;
     }
     if (count < 0) {

@@ -37,20 +37,8 @@ static const float rest_below[AXES] = {0.1F, 0.2F};
 /* ---- floats compared by their bits: for speed and size where floats are software, and for NaN,
  * which compilers may be told not to expect ---- */
 
-static float magnitude(float value) {
-    return f32_from_bits(magnitude_bits(value));
-}
-
-static bool is_zero(float value) {
-    return magnitude_bits(value) == 0;
-}
-
 static bool nearly_zero(float value) {
     return within_f32(value, ROUNDING);
-}
-
-static bool is_finite(float value) {
-    return finite_f32_bits(bits_from_f32(value));
 }
 
 static float clamp(float value, float low, float high) {
@@ -368,10 +356,6 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
     return true;
 }
 
-static uint64_t earlier(uint64_t a_us, uint64_t b_us) {
-    return a_us < b_us ? a_us : b_us;
-}
-
 uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) {
     uint64_t deadline = UINT64_MAX;
     if (d->stopping || d->lease_active) {
@@ -457,13 +441,13 @@ static void watch_echo(drive *d, const roburoc4_config *config, const float *rep
 /** The robot must not start moving because power returns or a bumper is released. */
 static void watch_following(drive *d, follow *f, const roburoc4_differential_status *s,
                             bool expected, uint32_t *events) {
-    const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
-    const bool ours = d->lease_active && !d->other_commander;
-    const float *targets = ours ? d->sent : reported;
     if (!expected && !d->armed && !d->inhibited) {
         roburoc4_follow_pause(f, s); /* saves a client that only listens a third of its work */
         return;
     }
+    const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
+    const bool ours = d->lease_active && !d->other_commander;
+    const float *targets = ours ? d->sent : reported;
     const bool inhibited = roburoc4_follow_status(f, expected ? targets : NULL, s);
     if (inhibited != (d->inhibited != 0)) {
         d->inhibited = inhibited;

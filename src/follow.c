@@ -80,7 +80,7 @@ bool roburoc4_follow_status(follow *f, const float *targets,
         if (!f->watching) {
             f->mean[axis] = f->low[axis] = f->high[axis] = speed;
         }
-        if (!finite_f32_bits(bits_from_f32(speeds[axis]))) {
+        if (!is_finite(speeds[axis])) {
             fault = true;
             continue;
         }

@@ -275,6 +275,10 @@ static inline uint32_t at_most(uint32_t value, uint32_t limit) {
     return value < limit ? value : limit;
 }
 
+static inline uint64_t earlier(uint64_t a_us, uint64_t b_us) {
+    return a_us < b_us ? a_us : b_us;
+}
+
 /** As many bits as the count says, at most 64, from the lowest. */
 static inline uint64_t lowest_bits(uint32_t count) {
     return count < 64 ? ((uint64_t)1 << count) - 1 : UINT64_MAX;

@@ -39,24 +39,20 @@ float roburoc4_move_half_turn(float angle_rad) {
                : angle_rad - 2 * PI_F * (float)(int32_t)(turns + with_sign(0.5F, turns));
 }
 
-static bool move_finite(float value) {
-    return finite_f32_bits(bits_from_f32(value));
-}
-
 /** Within 2e-4. */
 static float sine_of(float angle_rad) {
     float x = roburoc4_move_half_turn(angle_rad);
-    x = order_of(size_of(x)) > order_of(PI_F / 2) ? with_sign(PI_F, x) - x : x;
+    x = order_of(magnitude(x)) > order_of(PI_F / 2) ? with_sign(PI_F, x) - x : x;
     const float xx = x * x;
     return x * (1 - xx / 6 * (1 - xx / 20 * (1 - xx / 42)));
 }
 
 /** Within 1e-5 rad. */
 static float angle_of(float x, float y) {
-    const float ax = size_of(x), ay = size_of(y);
+    const float ax = magnitude(x), ay = magnitude(y);
     const bool steep = order_of(ay) > order_of(ax);
     const float large = steep ? ay : ax;
-    const float t = at_zero(large) ? 0 : (steep ? ax : ay) / large;
+    const float t = is_zero(large) ? 0 : (steep ? ax : ay) / large;
     const float tt = t * t;
     static const float terms[] = {0.0208351F, -0.0851330F, 0.1801410F, -0.3302995F, 0.9998660F};
     float angle = 0;
@@ -88,13 +84,13 @@ static roburoc4_result checked(const roburoc4_move *m) {
     const float numbers[] = {o->linear_m_s, o->angular_rad_s, o->linear_m_s2, o->angular_rad_s2,
                              o->clearance_m};
     for (uint32_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        if (!move_finite(numbers[i]) || order_of(numbers[i]) < (i < 4)) {
+        if (!is_finite(numbers[i]) || order_of(numbers[i]) < (i < 4)) {
             return ROBUROC4_ERR_ARGUMENT;
         }
     }
     const float length = m->private_goal[LENGTH], angle = m->private_goal[ANGLE];
     const bool speeds = m->private_kind == FOR;
-    if (!move_finite(length) || !move_finite(angle)) {
+    if (!is_finite(length) || !is_finite(angle)) {
         return ROBUROC4_ERR_NOT_FINITE;
     }
     if (beyond(length, FAR_M) || beyond(angle, FAR_M)) {
@@ -198,7 +194,7 @@ static bool to_place(const roburoc4_move *m) {
 
 /** No speed is proposed. */
 static bool halted(const roburoc4_move *m) {
-    return at_zero(m->linear_m_s) && at_zero(m->angular_rad_s);
+    return is_zero(m->linear_m_s) && is_zero(m->angular_rad_s);
 }
 
 /** What is left of the leg. */
@@ -266,7 +262,7 @@ static float curvature(const roburoc4_move *m) {
 
 /** Not more than the robot's own limit, where that is known. */
 static float at_most_own(float value, float own) {
-    return move_finite(own) && order_of(own) > 0 ? lesser(value, own) : value;
+    return is_finite(own) && order_of(own) > 0 ? lesser(value, own) : value;
 }
 
 /** Speeds and accelerations: the requested ones, limited to the robot's own. Returns how long their
@@ -282,15 +278,15 @@ static float set_profile(roburoc4_move *m, const roburoc4_move_view *v) {
     if (to_place(m)) {
         path[LENGTH] = look_to(m, &path[ANGLE]);
         const float last = unfixed(m->private_place[2] - m->private_pose[2]) - path[ANGLE];
-        path[ANGLE] = size_of(path[ANGLE]) +
-                      (m->private_kind == TO_POSE ? size_of(roburoc4_move_half_turn(last)) : 0);
-    } else if (m->private_kind == BY && !at_zero(curvature(m))) {
-        const float bend = size_of(curvature(m));
+        path[ANGLE] = magnitude(path[ANGLE]) +
+                      (m->private_kind == TO_POSE ? magnitude(roburoc4_move_half_turn(last)) : 0);
+    } else if (m->private_kind == BY && !is_zero(curvature(m))) {
+        const float bend = magnitude(curvature(m));
         limit[LENGTH] = lesser(limit[LENGTH], limit[ANGLE] / bend);
         slope[LENGTH] = lesser(slope[LENGTH], slope[ANGLE] / bend);
     }
     for (uint32_t i = 0; i < BOTH; i++) {
-        seconds += at_zero(path[i]) ? 0 : size_of(path[i]) / limit[i] + limit[i] / slope[i];
+        seconds += is_zero(path[i]) ? 0 : magnitude(path[i]) / limit[i] + limit[i] / slope[i];
     }
     return seconds;
 }
@@ -357,7 +353,7 @@ static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
         m->private_still++;
     }
     for (uint32_t axis = 0; axis < BOTH; axis++) {
-        const float speed = move_finite(speeds[axis]) ? speeds[axis] : 0;
+        const float speed = is_finite(speeds[axis]) ? speeds[axis] : 0;
         covered[axis] = 0.5F * (speed + m->private_speed[axis]) * passed_s;
         m->private_by_speeds[axis] += covered[axis];
         m->private_speed[axis] = speed;
@@ -414,9 +410,9 @@ static uint8_t direction(const roburoc4_move *m) {
  * measured. */
 static int32_t blocked(roburoc4_move *m, const roburoc4_move_view *v) {
     const float clearance_m = m->private_options.clearance_m;
-    const float speed = size_of(m->private_speed[LENGTH]);
-    const float needed_m =
-        clearance_m + size_of(roburoc4_move_axis_rolls(m)) + speed * seconds_of(v->distance_age_us);
+    const float speed = magnitude(m->private_speed[LENGTH]);
+    const float needed_m = clearance_m + magnitude(roburoc4_move_axis_rolls(m)) +
+                           speed * seconds_of(v->distance_age_us);
     const uint8_t pressed[] = {v->front_bumper, v->rear_bumper};
     const uint8_t bumper_known[] = {v->front_bumper_known, v->rear_bumper_known};
     const uint8_t known[] = {v->front_known, v->rear_known};
@@ -448,7 +444,7 @@ static int32_t blocked(roburoc4_move *m, const roburoc4_move_view *v) {
 
 /** Whether a distance is beyond one of two others by more than may be. */
 static bool disagree(uint32_t axis, float distance, float a, float b) {
-    const float way = beyond(a, size_of(distance)) ? size_of(a) : size_of(distance);
+    const float way = beyond(a, magnitude(distance)) ? magnitude(a) : magnitude(distance);
     const float most = disagreement[axis] + DISAGREEMENT_SHARE * way;
     const float low = lesser(a, b), high = a + b - low;
     return order_of(distance) > order_of(high + most) || order_of(distance) < order_of(low - most);
@@ -516,7 +512,7 @@ static int32_t reason_to_end(roburoc4_move *m, const roburoc4_move_view *v, uint
 /** Whether the robot stands beside the goal of its line or arc, and no leg corrects that. */
 static bool off_course(const roburoc4_move *m) {
     return m->private_kind != FOR && m->private_kind != REST && roburoc4_move_axis(m) == LENGTH &&
-           beyond(m->private_aside_m, 0.02F + 0.01F * size_of(m->private_goal[LENGTH]));
+           beyond(m->private_aside_m, 0.02F + 0.01F * magnitude(m->private_goal[LENGTH]));
 }
 
 /** The turn rate that keeps the robot on its line. */
@@ -525,7 +521,7 @@ static float steer(const roburoc4_move *m) {
     const float back = within(RETURN_PER_M * m->private_aside_m, RETURN_MAX_RAD);
     const float heading = bend * m->private_covered[LENGTH] - m->private_covered[ANGLE] -
                           with_sign(back, m->linear_m_s);
-    return at_zero(m->linear_m_s)
+    return is_zero(m->linear_m_s)
                ? 0
                : within(bend * m->linear_m_s + STEER_1_S * heading, m->private_limit[ANGLE]);
 }
@@ -540,8 +536,8 @@ static float share_for(roburoc4_move *m, float passed_s, uint64_t now_us) {
     const float left_s = left_us < INT32_MAX ? seconds_of((uint32_t)left_us) : FAR_M;
     float slope = FAR_M;
     for (uint32_t axis = 0; axis < BOTH; axis++) {
-        const float speed = size_of(m->private_goal[axis]);
-        slope = at_zero(speed) ? slope : lesser(slope, m->private_slope[axis] / speed);
+        const float speed = magnitude(m->private_goal[axis]);
+        slope = is_zero(speed) ? slope : lesser(slope, m->private_slope[axis] / speed);
     }
     return lesser(lesser(1, slope * left_s), m->private_share + slope * passed_s);
 }
@@ -614,8 +610,8 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
                        beyond(v->angular_rad_s, rolling_speed[ANGLE]);
     m->private_relocalized = v->relocalized;
     m->private_step_us = m->private_pose_us = now_us;
-    m->private_per_pose[LENGTH] = at_zero(v->true_per_pose_m) ? 1 : v->true_per_pose_m;
-    m->private_per_pose[ANGLE] = at_zero(v->true_per_pose_rad) ? 1 : v->true_per_pose_rad;
+    m->private_per_pose[LENGTH] = is_zero(v->true_per_pose_m) ? 1 : v->true_per_pose_m;
+    m->private_per_pose[ANGLE] = is_zero(v->true_per_pose_rad) ? 1 : v->true_per_pose_rad;
     if (v->pose_cycles != 0) {
         (void)note_pose(m, v);
         m->private_posed = 1;

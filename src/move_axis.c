@@ -67,7 +67,7 @@ static const struct bounds {
 #define STAYS 2.0F
 
 uint32_t roburoc4_move_axis(const roburoc4_move *m) {
-    return at_zero(m->private_goal[LENGTH]) ? ANGLE : LENGTH;
+    return is_zero(m->private_goal[LENGTH]) ? ANGLE : LENGTH;
 }
 
 float roburoc4_move_root(float square) {
@@ -165,7 +165,7 @@ void roburoc4_move_axis_learn(roburoc4_move *m, uint32_t passed_us, float sent, 
         m->private_smooth += SMOOTH * (m->private_speed[axis] - m->private_smooth);
         m->private_statuses += 1;
     }
-    const float late = POSE_LATE * size_of(m->private_slow);
+    const float late = POSE_LATE * magnitude(m->private_slow);
     if (pose) {
         const float w = 1 / (POSE_NOISE + late);
         add(m, m->private_covered[axis], AT, w * w);
@@ -174,7 +174,7 @@ void roburoc4_move_axis_learn(roburoc4_move *m, uint32_t passed_us, float sent, 
         solve(m);
     }
     m->private_drift += seconds_of(passed_us) /
-                        (DRIFT_S * (1 + DRIFT_PER_SPEED * size_of(m->private_slow))) *
+                        (DRIFT_S * (1 + DRIFT_PER_SPEED * magnitude(m->private_slow))) *
                         (m->private_covered[axis] - m->private_at - m->private_drift);
 }
 
@@ -211,9 +211,9 @@ static float short_by(const roburoc4_move *m) {
 float roburoc4_move_axis_speed(roburoc4_move *m) {
     const uint32_t axis = roburoc4_move_axis(m);
     const float now = axis == LENGTH ? m->linear_m_s : m->angular_rad_s;
-    const bool rests = at_zero(now) && stands(m);
+    const bool rests = is_zero(now) && stands(m);
     const float left = rests ? short_by(m) / m->private_gain : to_command(m);
-    const float distance = size_of(left), slope = m->private_slope[axis];
+    const float distance = magnitude(left), slope = m->private_slope[axis];
     const float bound = rests              ? near_goal(m)
                         : m->private_holds ? bounds_of[axis].resume
                                            : bounds_of[axis].hold;

@@ -35,7 +35,7 @@ static void view_distances(roburoc4_move_view *v, const roburoc4_client *client)
 
 /** The smaller size of a pair of limits. */
 static float both_ways(float low, float high) {
-    return lesser(size_of(low), size_of(high));
+    return lesser(magnitude(low), magnitude(high));
 }
 
 static void view_client(roburoc4_move_view *v, const roburoc4_client *client,

@@ -18,17 +18,8 @@ enum { LENGTH, ANGLE, BOTH };
 /* Statuses that a move needs are older: it is lost. */
 #define SILENCE_US 1000000U
 
-static inline float size_of(float value) {
-    return f32_from_bits(bits_from_f32(value) & 0x7FFFFFFFU);
-}
-
 static inline bool beyond(float value, float bound) {
-    return order_of(size_of(value)) > order_of(bound);
-}
-
-/** Also for -0. */
-static inline bool at_zero(float value) {
-    return bits_from_f32(value) << 1 == 0;
+    return order_of(magnitude(value)) > order_of(bound);
 }
 
 static inline float lesser(float a, float b) {
@@ -50,7 +41,7 @@ static inline float seconds_of(uint32_t span_us) {
 
 /** The smaller of two distances; NaN counts as blocked. */
 static inline float nearer(float a, float b) {
-    return finite_f32_bits(bits_from_f32(b)) ? lesser(a, b) : 0;
+    return is_finite(b) ? lesser(a, b) : 0;
 }
 
 extern const roburoc4_move_options roburoc4_move_defaults;

@@ -388,11 +388,10 @@ uint64_t roburoc4_requests_deadline(const requests *r) {
     for (uint32_t i = 0; i < SLOTS; i++) {
         const slot *s = &r->slots[i];
         if (s->open) {
-            const uint64_t due = s->sent_us + s->wait_us;
-            deadline = due < deadline ? due : deadline;
+            deadline = earlier(deadline, s->sent_us + s->wait_us);
         }
     }
-    return r->quiet && r->quiet_us < deadline ? r->quiet_us : deadline;
+    return r->quiet ? earlier(deadline, r->quiet_us) : deadline;
 }
 
 void roburoc4_requests_rebase(requests *r, uint64_t now_us) {

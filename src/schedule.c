@@ -140,8 +140,7 @@ void roburoc4_schedule_renew_silent(client *c) {
 uint64_t roburoc4_schedule_deadline(const client *c) {
     uint64_t deadline = UINT64_MAX;
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
-        const uint64_t due_us = renewal_us(c, i);
-        deadline = due_us < deadline ? due_us : deadline;
+        deadline = earlier(deadline, renewal_us(c, i));
     }
     return deadline;
 }

@@ -324,9 +324,9 @@ void Oracle::sent(Moment now, const Datagram &datagram) {
     }
     const std::uint16_t service = datagram.u16_at(1);
     bool known = false, card = false; /* of any start that it may not have noticed yet */
+    const bool zero = datagram.size == 11 && command_speeds(datagram).zero();
     for (std::size_t i = 0; i < robots_.size(); i++) {
         const bool may = i >= required_boot_;
-        const bool zero = datagram.size == 11 && command_speeds(datagram).zero();
         known = known || ((may || zero) && robots_[i].differential_id == service);
         card = card || (may && robots_[i].iocard_id == service);
     }

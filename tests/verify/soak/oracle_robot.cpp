@@ -173,7 +173,7 @@ void Oracle::watch_target(Moment now, const Datagram &datagram) {
 void Oracle::watch_other_commander(Moment now, const Datagram &datagram) {
     /* until a stop is confirmed, and for a while after, any that was sent may come back */
     const std::uint64_t longest = 6 * milliseconds(config_.robot_watchdog_ms);
-    const bool all = now.true_us - confirmed_us_ <= longest;
+    const bool all = now.true_us - last_unconfirmed_us_ <= longest;
     Speeds low, high; /* each axis by itself */
     for (const Sent &sent : sent_) {
         if (!all && now.true_us - sent.true_us > longest)
@@ -406,7 +406,7 @@ void Oracle::judge_outcome(Moment now, const Report &before) {
     if (report_.stop_outcome != ROBUROC4_STOP_RUNNING)
         last_outcome_ = report_.stop_outcome;
     if (report_.stop_outcome != ROBUROC4_STOP_CONFIRMED)
-        confirmed_us_ = now.true_us;
+        last_unconfirmed_us_ = now.true_us;
     const bool says = (report_.events & ROBUROC4_EVENT_STOPPED) != 0 ||
                       (report_.stop_outcome == ROBUROC4_STOP_CONFIRMED &&
                        before.stop_outcome != ROBUROC4_STOP_CONFIRMED);
