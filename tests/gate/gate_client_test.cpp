@@ -137,6 +137,22 @@ TEST_F(GateClient, ALostRobotHolds) {
     EXPECT_TRUE(is_waiting());
 }
 
+TEST_F(GateClient, OfTheEventsOfTheLinkEachOfThreeHoldsAndNoOther) {
+    for (std::uint32_t bit = 0; bit < 32; bit++) {
+        const std::uint32_t event = std::uint32_t{1} << bit;
+        if (event == ROBUROC4_EVENT_DISARMED || event == ROBUROC4_EVENT_OVERRIDE) {
+            continue; /* these depend on the cause */
+        }
+        pass(600);
+        ASSERT_FALSE(is_waiting());
+        gate_heed_events(&gate, &client, event, now_us());
+        EXPECT_EQ(event == ROBUROC4_EVENT_LOST || event == ROBUROC4_EVENT_REBOOT ||
+                      event == ROBUROC4_EVENT_CLOCK,
+                  is_waiting())
+            << bit;
+    }
+}
+
 TEST_F(GateClient, AStopStopsAndHolds) {
     EXPECT_EQ(GATE_TAKEN, drive(0.3F));
     pass(100);
