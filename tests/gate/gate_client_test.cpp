@@ -128,6 +128,16 @@ TEST_F(GateClient, AnOverrideHolds) {
     EXPECT_TRUE(is_waiting());
 }
 
+TEST_F(GateClient, TheEndOfAnOverrideHoldsNoLonger) {
+    set("pad_a", 1);
+    pass(1000);
+    ASSERT_FALSE(is_waiting());
+    set("pad_a", 0);
+    pass(200);
+    EXPECT_FALSE(is_waiting());
+    EXPECT_EQ(GATE_TAKEN, send(0.3F));
+}
+
 TEST_F(GateClient, ALostRobotHolds) {
     EXPECT_EQ(GATE_TAKEN, drive(0.3F));
     pass(100);

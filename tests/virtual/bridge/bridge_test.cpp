@@ -349,19 +349,24 @@ TEST_F(Bridge, ALeaseRunsWhileTheBridgeHangsAlsoWhereAgesAreNotChecked) {
     stream(0.3, 500);
     sleep_ms(600);
     const uint64_t rests_us = sys.now_us;
-    at(rests_us + 100 * kMs, [this] { drive(0.4, 250000); });
-    stall_ms(1500);
+    at(rests_us + 10 * kMs, [this] { drive(0.4, 60000); });
+    stall_ms(230); /* longer than its longest wait, and short enough for the client */
     sleep_ms(400);
     EXPECT_LE(robot_->last_speed_us(), rests_us);
+    sleep_ms(600);
+    drive(0.4);
+    sleep_ms(100);
+    EXPECT_GT(robot_->last_speed_us(), rests_us);
 }
 
 TEST_F(Bridge, TheTimeInWhichItHungIsNoPause) {
     start();
     stream(0.3, 500);
     stop();
-    sleep_ms(100);
+    sleep_ms(240);
     const uint64_t hangs_us = sys.now_us;
-    stall_ms(600);
+    stall_ms(230); /* longer than its longest wait */
+    sleep_ms(50);  /* half a second after the stop, of which it saw less */
     drive(0.3);
     sleep_ms(300);
     EXPECT_LE(robot_->last_speed_us(), hangs_us);
