@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * exit_in_mid_drive HOST:PORT [locked|FILE]: drive with a pump, and exit() as soon as the robot
- * says that it was told to; locked: with the pump's lock held; FILE: recorded there. pump_test.cpp
- * and record_test.cpp run it.
+ * exit_in_mid_drive HOST:PORT [FILE]: drive with a pump, and exit() as soon as the robot reports
+ * the speed; FILE: recorded there. pump_test.cpp and record_test.cpp run it.
  */
 #include "roburoc4_pump.h"
 
@@ -35,9 +34,6 @@ int main(int argc, char **argv) {
         }
         (void)roburoc4_client_differential(client, &status, NULL);
         roburoc4_pump_unlock(pump);
-    }
-    if (argc > 2 && strcmp(argv[2], "locked") == 0) {
-        (void)roburoc4_pump_lock(pump);
     }
     exit(0);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * pump_test.cpp - the pump with a simulated robot over loopback UDP: a hung program stops the
- * robot, every reader sees every sample, and it ends cleanly whatever the robot and the readers do.
+ * pump_test.cpp - the pump with the system's own threads, sockets, signals and processes: what
+ * virtual/pump_test.cpp, which has its promises, takes the place of.
  */
 #include "pump_calls.h"
 #include "roburoc4_pump.h"
@@ -17,7 +17,6 @@
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
-#include <ctime>
 #include <memory>
 #include <string>
 #include <thread>
@@ -80,12 +79,6 @@ size_t speeds_in(const std::vector<SpeedCommand> &commands) {
     return speeds;
 }
 
-double cpu_seconds() {
-    timespec used{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
-    return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
-}
-
 /* ------------------------------------------------------------------------------------ life --- */
 
 TEST(Pump, RefusesInvalidArguments) {
@@ -113,70 +106,13 @@ TEST(Pump, RefusesInvalidArguments) {
     roburoc4_pump_destroy(nullptr);
 }
 
-TEST(Pump, KeepsTheRobotsTexts) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    roburoc4_pump_reader reader{};
-    char text[ROBUROC4_PUMP_DESCRIPTION_SIZE];
-    EXPECT_EQ(
-        roburoc4_pump_description(pump.get(), ROBUROC4_IO_DIGITAL_INPUT, 63, text, sizeof text),
-        ROBUROC4_ERR_UNKNOWN);
-    ASSERT_GT(
-        roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_DESCRIPTIONS_DONE, kPatience),
-        0);
-    const int32_t kinds[] = {-1, ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_IO_DIGITAL_INPUT,
-                             ROBUROC4_IO_DIGITAL_OUTPUT};
-    const uint32_t counts[] = {ROBUROC4_SERVICE_COUNT, ROBUROC4_AI_COUNT, ROBUROC4_DI_COUNT,
-                               ROBUROC4_DO_COUNT};
-    for (size_t kind = 0; kind < 4; kind++) {
-        for (uint32_t index = 0; index < counts[kind]; index++) {
-            EXPECT_GE(roburoc4_pump_description(pump.get(), kinds[kind], index, text, sizeof text),
-                      0)
-                << kinds[kind] << " " << index;
-        }
-        EXPECT_EQ(
-            roburoc4_pump_description(pump.get(), kinds[kind], counts[kind], text, sizeof text),
-            kind == 0 || counts[kind] < 64 ? ROBUROC4_ERR_UNKNOWN : ROBUROC4_ERR_INDEX);
-    }
-    roburoc4_result length =
-        roburoc4_pump_description(pump.get(), -1, ROBUROC4_SERVICE_BATTERY, text, sizeof text);
-    EXPECT_STREQ(text, "Battery");
-    EXPECT_EQ(length, 7);
-    EXPECT_EQ(roburoc4_pump_description(pump.get(), -1, ROBUROC4_SERVICE_BATTERY, text, 8), 7);
-    EXPECT_EQ(roburoc4_pump_description(pump.get(), -1, ROBUROC4_SERVICE_BATTERY, text, 7),
-              ROBUROC4_ERR_BUFFER);
-    EXPECT_EQ(roburoc4_pump_description(pump.get(), -2, 0, text, sizeof text),
-              ROBUROC4_ERR_ARGUMENT);
-    EXPECT_EQ(roburoc4_pump_description(pump.get(), 4, 0, text, sizeof text),
-              ROBUROC4_ERR_ARGUMENT);
-    EXPECT_EQ(roburoc4_pump_description(pump.get(), -1, ROBUROC4_MAX_SERVICES, text, sizeof text),
-              ROBUROC4_ERR_INDEX);
-}
-
-TEST(Pump, RetriesAnAbsentRobotWithoutSpinningAndFindsItLater) {
-    uint16_t port = test::free_port();
-    roburoc4_address address{};
-    ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1", port, &address), ROBUROC4_OK);
-    Pump pump = make_pump(address);
-    double cpu_before = cpu_seconds();
-    EXPECT_TRUE(eventually([&] {
-        sleep_ms(50);
-        return socket_of(pump.get()).counters[ROBUROC4_UDP_COUNT_REFUSED] >= 4;
-    }));
-    EXPECT_LT(cpu_seconds() - cpu_before, 0.7);
-    EXPECT_EQ(socket_of(pump.get()).fault, uint32_t{ROBUROC4_FAULT_REFUSED});
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_arm), ROBUROC4_ERR_NOT_READY);
-    UdpRobot robot(port);
-    EXPECT_TRUE(becomes_ready(pump.get()));
-}
-
 /* ---------------------------------------------------------------------------------- motion --- */
 
 TEST(Pump, StopsTheRobotOfAProgramThatHangs) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
-    ASSERT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.5f, 0.0f, 1000000), ROBUROC4_OK);
+    ASSERT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.5f, 0.0f, 300000), ROBUROC4_OK);
     /* From here on nobody calls drive. */
     ASSERT_TRUE(eventually([&] {
         sleep_ms(5);
@@ -185,112 +121,11 @@ TEST(Pump, StopsTheRobotOfAProgramThatHangs) {
     }));
     size_t speeds = speeds_in(robot.commands());
     EXPECT_GE(speeds, 2u) << "within the lease the speed is repeated";
-    EXPECT_LE(speeds, 21u) << "a lease of a second has 20 periods of 50 ms";
-    sleep_ms(500);
+    EXPECT_LE(speeds, 7u) << "the lease has six periods of 50 ms";
+    sleep_ms(200);
     EXPECT_EQ(speeds_in(robot.commands()), speeds) << "no speed after the lease";
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.2f, 0.0f, 0), ROBUROC4_OK)
         << "it stays armed";
-}
-
-TEST(Pump, FeedsALeaseWhileTheRobotIsQuiet) {
-    roburoc4_config config;
-    ASSERT_EQ(roburoc4_config_init(&config, sizeof config), ROBUROC4_OK);
-    for (int service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
-        config.period_ms[service] = 330; /* no status wakes the pump in time */
-    }
-    config.fresh_ms = 1000;
-    config.lost_ms = 5000;
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address(), 0, &config);
-    roburoc4_pump_reader reader{};
-    ASSERT_GT(
-        roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_DESCRIPTIONS_DONE, kPatience),
-        0);
-    ASSERT_TRUE(becomes_armed(pump.get()));
-    /* A loaded machine may be late; a pump that waits for statuses always is. */
-    EXPECT_TRUE(eventually([&] {
-        roburoc4_pump_reader_init(pump.get(), &reader);
-        roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_DIFFERENTIAL, kPatience);
-        sleep_ms(50);
-        on_client(pump.get(), roburoc4_client_arm);
-        size_t before = robot.commands().size();
-        if (on_client(pump.get(), roburoc4_client_drive, 0.5f, 0.0f, 500000) != ROBUROC4_OK) {
-            return false;
-        }
-        roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_STOPPED, kPatience);
-        std::vector<SpeedCommand> commands = robot.commands();
-        return commands.size() >= before + 2 &&
-               commands[before + 1].at_us - commands[before].at_us < 90000;
-    })) << "the first repetition is due after 50 ms";
-}
-
-TEST(Pump, SendsCommandsBeforeTheCallReturns) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    ASSERT_TRUE(becomes_armed(pump.get()));
-    uint32_t before = socket_of(pump.get()).counters[ROBUROC4_UDP_COUNT_SENT];
-    ASSERT_EQ(on_client(pump.get(), roburoc4_client_set_digital_outputs, uint64_t{1} << 3,
-                        uint64_t{1} << 3),
-              ROBUROC4_OK);
-    EXPECT_GT(socket_of(pump.get()).counters[ROBUROC4_UDP_COUNT_SENT], before);
-    before = socket_of(pump.get()).counters[ROBUROC4_UDP_COUNT_SENT];
-    ASSERT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.1f, 0.0f, 0), ROBUROC4_OK);
-    EXPECT_GT(socket_of(pump.get()).counters[ROBUROC4_UDP_COUNT_SENT], before);
-}
-
-/* ---------------------------------------------------------------------------------- arming --- */
-
-TEST(PumpArm, WaitsForARobotThatComesLater) {
-    const uint16_t port = test::free_port();
-    roburoc4_address address{};
-    ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1", port, &address), ROBUROC4_OK);
-    Pump pump = make_pump(address);
-    EXPECT_EQ(roburoc4_pump_arm(pump.get(), 50000), ROBUROC4_ERR_NOT_READY);
-    std::unique_ptr<UdpRobot> robot;
-    std::thread later([&] {
-        sleep_ms(100);
-        robot = std::make_unique<UdpRobot>(port);
-    });
-    EXPECT_EQ(roburoc4_pump_arm(pump.get(), kPatience), ROBUROC4_OK);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.5f, 0.0f, 0), ROBUROC4_OK);
-    later.join();
-}
-
-TEST(PumpArm, RefusesAtOnceWhatWaitingCannotChange) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    ASSERT_TRUE(becomes_armed(pump.get()));
-    roburoc4_pump_reader reader{};
-    roburoc4_pump_reader_init(pump.get(), &reader);
-    ASSERT_TRUE(robot.panel("pad a down"));
-    ASSERT_GT(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_OVERRIDE, kPatience),
-              0);
-    EXPECT_EQ(roburoc4_pump_arm(pump.get(), UINT32_MAX), ROBUROC4_ERR_OVERRIDE);
-    ASSERT_TRUE(robot.panel("pad a up"));
-    EXPECT_GT(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_ARMABLE, kPatience), 0);
-    EXPECT_EQ(roburoc4_pump_arm(pump.get(), 0), ROBUROC4_OK);
-}
-
-TEST(PumpArm, IsEndedByAStopAndByTheEnd) {
-    roburoc4_address address{};
-    ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1", test::free_port(), &address), ROBUROC4_OK);
-    Pump pump = make_pump(address);
-    for (const roburoc4_result expected : {ROBUROC4_ERR_STOPPED, ROBUROC4_ERR_CLOSED}) {
-        std::thread later([&] {
-            sleep_ms(50);
-            if (expected == ROBUROC4_ERR_STOPPED) {
-                roburoc4_pump_request_stop(pump.get());
-            } else {
-                roburoc4_pump_close(pump.get());
-            }
-        });
-        EXPECT_EQ(roburoc4_pump_arm(pump.get(), UINT32_MAX), expected);
-        later.join();
-    }
-    EXPECT_EQ(roburoc4_pump_arm(pump.get(), UINT32_MAX), ROBUROC4_ERR_CLOSED);
-    roburoc4_result result = 0;
-    Pump manual(roburoc4_pump_create(nullptr, nullptr, 0, nullptr, &result));
-    EXPECT_EQ(roburoc4_pump_arm(manual.get(), UINT32_MAX), ROBUROC4_ERR_CLOSED);
 }
 
 TEST(PumpCreate, CanSendFromALocalPort) {
@@ -308,108 +143,6 @@ TEST(PumpCreate, CanSendFromALocalPort) {
     Pump refused(roburoc4_pump_create_from(&address, &local, nullptr, 0, nullptr, &result));
     EXPECT_EQ(refused, nullptr);
     EXPECT_EQ(result, ROBUROC4_ERR_SYSTEM) << "another program has the port";
-}
-
-/* -------------------------------------------------------------------- samples and events --- */
-
-TEST(Samples, AreAllSeenByEveryReader) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    constexpr size_t kReaders = 4, kSamples = 120;
-    std::vector<std::vector<roburoc4_sample>> seen(kReaders);
-    std::vector<std::thread> threads;
-    std::atomic<uint64_t> lost{0};
-    for (size_t i = 0; i < kReaders; i++) {
-        threads.emplace_back([&, i] {
-            roburoc4_pump_reader reader{};
-            while (seen[i].size() < kSamples &&
-                   roburoc4_pump_wait_samples(pump.get(), &reader, kPatience) > 0) {
-                roburoc4_sample some[7];
-                roburoc4_result got = roburoc4_pump_read_samples(pump.get(), &reader, some, 7);
-                for (roburoc4_result k = 0; k < got; k++) {
-                    seen[i].push_back(some[k]);
-                }
-            }
-            lost += reader.lost;
-        });
-    }
-    for (std::thread &thread : threads) {
-        thread.join();
-    }
-    EXPECT_EQ(lost, 0u);
-    uint32_t services = 0;
-    for (size_t i = 0; i < kReaders; i++) {
-        ASSERT_GE(seen[i].size(), kSamples);
-        for (size_t k = 0; k < kSamples; k++) {
-            ASSERT_EQ(seen[i][k].sequence, k);
-            EXPECT_EQ(std::memcmp(&seen[i][k], &seen[0][k], sizeof(roburoc4_sample)), 0);
-            services |= 1u << seen[i][k].service;
-        }
-    }
-    EXPECT_EQ(services, 0x7Cu);
-}
-
-TEST(Samples, CarryTheValuesOfTheirService) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    roburoc4_pump_reader reader{};
-    uint64_t last_cycles[8] = {};
-    uint32_t services = 0;
-    ASSERT_TRUE(eventually([&] {
-        roburoc4_sample sample;
-        roburoc4_pump_wait_samples(pump.get(), &reader, kPatience);
-        EXPECT_EQ(roburoc4_pump_read_samples(pump.get(), &reader, &sample, 1), 1);
-        EXPECT_GT(sample.robot_cycles, last_cycles[sample.service]);
-        last_cycles[sample.service] = sample.robot_cycles;
-        EXPECT_LE(sample.host_us, roburoc4_udp_now_us());
-        if (sample.service == ROBUROC4_SERVICE_IOCARD) {
-            EXPECT_EQ(sample.value.inputs.analog_count, uint32_t{ROBUROC4_AI_COUNT});
-        } else if (sample.service == ROBUROC4_SERVICE_BATTERY) {
-            EXPECT_EQ(sample.value.battery.remaining_percent, 100);
-        } else if (sample.service == ROBUROC4_SERVICE_TELEMETER) {
-            EXPECT_EQ(sample.value.distances.count, 2u);
-        }
-        services |= 1u << sample.service;
-        return services == 0x7C;
-    }));
-}
-
-TEST(Samples, ASlowReaderLosesTheOldestAndLearnsThat) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address(), ROBUROC4_PUMP_QUEUE_MIN);
-    roburoc4_pump_reader slow{}, newest{};
-    ASSERT_TRUE(eventually([&] {
-        sleep_ms(10);
-        roburoc4_pump_reader_init(pump.get(), &newest);
-        return newest.next_sample >= 5 * ROBUROC4_PUMP_QUEUE_MIN;
-    }));
-    EXPECT_EQ(newest.lost, 0u);
-    ASSERT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK); /* nothing comes in between */
-    roburoc4_pump_reader_init(pump.get(), &newest);
-    std::vector<roburoc4_sample> samples(100);
-    EXPECT_EQ(roburoc4_pump_wait_samples(pump.get(), &slow, 0), ROBUROC4_PUMP_QUEUE_MIN);
-    EXPECT_EQ(roburoc4_pump_read_samples(pump.get(), &slow, samples.data(), 100),
-              ROBUROC4_PUMP_QUEUE_MIN);
-    EXPECT_EQ(slow.lost + ROBUROC4_PUMP_QUEUE_MIN, newest.next_sample);
-    for (uint64_t i = 0; i < ROBUROC4_PUMP_QUEUE_MIN; i++) {
-        EXPECT_EQ(samples[i].sequence, slow.lost + i);
-    }
-    EXPECT_EQ(roburoc4_pump_read_samples(pump.get(), &slow, samples.data(), 100),
-              ROBUROC4_ERR_CLOSED);
-}
-
-TEST(Samples, WaitingEndsWithItsTime) {
-    roburoc4_address address{};
-    ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1", test::free_port(), &address), ROBUROC4_OK);
-    Pump pump = make_pump(address);
-    roburoc4_pump_reader reader{};
-    roburoc4_sample sample;
-    uint64_t before_us = roburoc4_udp_now_us();
-    EXPECT_EQ(roburoc4_pump_wait_samples(pump.get(), &reader, 30000), 0);
-    EXPECT_GE(roburoc4_udp_now_us() - before_us, 30000u);
-    EXPECT_EQ(roburoc4_pump_wait_samples(pump.get(), &reader, 0), 0);
-    EXPECT_EQ(roburoc4_pump_read_samples(pump.get(), &reader, &sample, 1), 0);
-    EXPECT_EQ(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_READY, 1000), 0);
 }
 
 /** A pump without a thread, whose client a world moves. */
@@ -458,134 +191,6 @@ TEST(PumpWithoutAddress, KeepsWhatItsClientReceivesForReaders) {
     roburoc4_pump_destroy(pump);
 }
 
-TEST(Events, AreTakenByEachReaderForItself) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    roburoc4_pump_reader first{}, second{};
-    ASSERT_TRUE(becomes_ready(pump.get()));
-    EXPECT_NE(roburoc4_pump_take_events(pump.get(), &first) & ROBUROC4_EVENT_READY, 0);
-    EXPECT_EQ(roburoc4_pump_take_events(pump.get(), &first) & ROBUROC4_EVENT_READY, 0);
-    EXPECT_NE(roburoc4_pump_take_events(pump.get(), &second) & ROBUROC4_EVENT_READY, 0);
-    ASSERT_EQ(roburoc4_pump_reader_init(pump.get(), &second), ROBUROC4_OK);
-    EXPECT_EQ(roburoc4_pump_take_events(pump.get(), &second) & ROBUROC4_EVENT_READY, 0);
-    EXPECT_EQ(roburoc4_pump_wait_events(pump.get(), &second, ROBUROC4_EVENT_REBOOT, 1000), 0)
-        << "others than those of the mask do not end the wait";
-    EXPECT_GT(roburoc4_pump_wait_events(pump.get(), &second, ROBUROC4_EVENT_IOCARD, kPatience), 0);
-    EXPECT_NE(roburoc4_pump_take_events(pump.get(), &second) & ROBUROC4_EVENT_IOCARD, 0)
-        << "waiting does not take";
-}
-
-/* ----------------------------------------------------------------------------------- the end ---
- */
-
-TEST(PumpStop, SendsTheStopSequenceOfADrivingRobot) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    ASSERT_TRUE(becomes_armed(pump.get()));
-    ASSERT_TRUE(eventually([&] {
-        EXPECT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.5f, 0.2f, 1000000), ROBUROC4_OK);
-        sleep_ms(5);
-        return speeds_in(robot.commands()) >= 2;
-    }));
-    ASSERT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK);
-    EXPECT_EQ(roburoc4_pump_running(pump.get()), 0);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_state), uint32_t{ROBUROC4_STATE_IDLE});
-    EXPECT_TRUE(eventually([&] { return zeros_at_the_end(robot.commands()) >= 3; }));
-    EXPECT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK) << "a second time";
-}
-
-TEST(PumpStop, LeavesValuesReadableAndRefusesCommands) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    roburoc4_pump_reader reader{};
-    ASSERT_TRUE(becomes_ready(pump.get()));
-    ASSERT_GT(roburoc4_pump_wait_samples(pump.get(), &reader, kPatience), 0);
-    ASSERT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK);
-    roburoc4_pump *p = pump.get();
-    EXPECT_EQ(on_client(p, roburoc4_client_arm), ROBUROC4_ERR_NOT_READY);
-    EXPECT_EQ(on_client(p, roburoc4_client_stop), ROBUROC4_ERR_STATE);
-    EXPECT_EQ(on_client(p, roburoc4_client_drive, 0.0f, 0.0f, 0), ROBUROC4_ERR_DISARMED);
-    EXPECT_EQ(on_client(p, roburoc4_client_pause), ROBUROC4_ERR_STATE);
-    EXPECT_EQ(on_client(p, roburoc4_client_set_digital_outputs, 2, 2), ROBUROC4_ERR_NOT_READY);
-    EXPECT_EQ(on_client(p, roburoc4_client_relocalize, 0.0, 0.0, 0.0), ROBUROC4_ERR_NOT_READY);
-    EXPECT_EQ(on_client(p, service_count), uint32_t{ROBUROC4_SERVICE_COUNT});
-    roburoc4_sample samples[64];
-    roburoc4_result got;
-    uint64_t read = 0;
-    while ((got = roburoc4_pump_read_samples(p, &reader, samples, 64)) > 0) {
-        read += static_cast<uint64_t>(got);
-    }
-    EXPECT_GT(read, 0u) << "what came before the end can be read";
-    EXPECT_EQ(got, ROBUROC4_ERR_CLOSED);
-    EXPECT_EQ(roburoc4_pump_wait_samples(p, &reader, kPatience), ROBUROC4_ERR_CLOSED);
-    roburoc4_pump_take_events(p, &reader);
-    EXPECT_EQ(roburoc4_pump_take_events(p, &reader), ROBUROC4_ERR_CLOSED);
-}
-
-TEST(PumpStop, IsBoundedIfTheRobotIsSilent) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    ASSERT_TRUE(becomes_armed(pump.get()));
-    ASSERT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.5f, 0.0f, 1000000), ROBUROC4_OK);
-    robot.fall_silent();
-    uint64_t before_us = roburoc4_udp_now_us();
-    EXPECT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK);
-    EXPECT_LT(roburoc4_udp_now_us() - before_us, 10000000u);
-}
-
-TEST(PumpStop, WakesAllWaitingThreads) {
-    roburoc4_address address{};
-    ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1", test::free_port(), &address), ROBUROC4_OK);
-    Pump pump = make_pump(address);
-    roburoc4_pump *p = pump.get();
-    std::vector<std::thread> threads;
-    std::atomic<int> closed{0}, started{0};
-    for (int i = 0; i < 6; i++) {
-        threads.emplace_back([&, i] {
-            roburoc4_pump_reader reader{};
-            started++;
-            roburoc4_result result =
-                i % 2 == 0
-                    ? roburoc4_pump_wait_samples(p, &reader, UINT32_MAX)
-                    : roburoc4_pump_wait_events(p, &reader, ROBUROC4_EVENT_READY, UINT32_MAX);
-            closed += result == ROBUROC4_ERR_CLOSED;
-        });
-    }
-    while (started < 6) {
-        sleep_ms(1);
-    }
-    sleep_ms(20);
-    std::thread other([&] { EXPECT_EQ(roburoc4_pump_close(p), ROBUROC4_OK); });
-    EXPECT_EQ(roburoc4_pump_close(p), ROBUROC4_OK);
-    other.join();
-    for (std::thread &thread : threads) {
-        thread.join();
-    }
-    EXPECT_EQ(closed, 6);
-}
-
-TEST(PumpStop, DestroyWaitsForWaitingThreads) {
-    roburoc4_address address{};
-    ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1", test::free_port(), &address), ROBUROC4_OK);
-    for (int round = 0; round < 20; round++) {
-        roburoc4_pump *p = make_pump(address).release();
-        std::atomic<bool> started{false};
-        roburoc4_result result = 0;
-        std::thread waiter([&] {
-            roburoc4_pump_reader reader{};
-            started = true;
-            result = roburoc4_pump_wait_samples(p, &reader, UINT32_MAX);
-        });
-        while (!started) {
-            sleep_ms(1);
-        }
-        sleep_ms(10);
-        roburoc4_pump_destroy(p);
-        waiter.join();
-        EXPECT_EQ(result, ROBUROC4_ERR_CLOSED);
-    }
-}
-
 /* --------------------------------------------------- signals, cancelled threads and exit() --- */
 
 /* What the handler stops. */
@@ -625,27 +230,6 @@ class RequestStop : public ::testing::Test {
     Pump pump_ = make_pump(robot_.address());
 };
 
-TEST_F(RequestStop, DisarmsAndStopsTheRobot) {
-    drive_off();
-    roburoc4_pump_request_stop(pump_.get());
-    EXPECT_TRUE(stops());
-    EXPECT_EQ(on_client(pump_.get(), roburoc4_client_drive, 0.5f, 0.0f, 0), ROBUROC4_ERR_STOPPED);
-    EXPECT_EQ(roburoc4_pump_running(pump_.get()), 1) << "the link lives on";
-    EXPECT_TRUE(becomes_armed(pump_.get())) << "as after any stop()";
-}
-
-TEST_F(RequestStop, SendsNoSpeedCommandedAfterIt) {
-    drive_off();
-    roburoc4_client *client = roburoc4_pump_lock(pump_.get());
-    std::raise(SIGUSR1); /* while this thread has the lock */
-    EXPECT_EQ(roburoc4_client_drive(client, 0.7f, 0.0f, 0, roburoc4_udp_now_us()), ROBUROC4_OK);
-    roburoc4_pump_unlock(pump_.get());
-    EXPECT_TRUE(stops());
-    for (const SpeedCommand &command : robot_.commands()) {
-        EXPECT_LT(command.linear_m_s, 0.7f);
-    }
-}
-
 TEST_F(RequestStop, NeverBlocksWhateverItsHandlerInterrupts) {
     drive_off();
     std::atomic<bool> running{true};
@@ -663,19 +247,6 @@ TEST_F(RequestStop, NeverBlocksWhateverItsHandlerInterrupts) {
     driver.join();
     roburoc4_pump_request_stop(pump_.get());
     EXPECT_TRUE(stops());
-}
-
-TEST_F(RequestStop, IsHarmlessBeforeReadyAfterCloseAndOfNone) {
-    roburoc4_pump_request_stop(nullptr);
-    roburoc4_pump_request_stop(pump_.get());
-    ASSERT_TRUE(becomes_ready(pump_.get()));
-    ASSERT_EQ(roburoc4_pump_close(pump_.get()), ROBUROC4_OK);
-    errno = 1234;
-    roburoc4_pump_request_stop(pump_.get());
-    roburoc4_pump_request_stop(pump_.get());
-    EXPECT_EQ(errno, 1234);
-    EXPECT_EQ(roburoc4_pump_close(pump_.get()), ROBUROC4_OK);
-    EXPECT_EQ(speeds_in(robot_.commands()), 0u);
 }
 
 /* Cancels a thread repeatedly until it ends, whatever it is doing. */
@@ -756,12 +327,7 @@ TEST(Exit, WhileDrivingStopsTheRobot) {
     EXPECT_EQ(run_exit_in_mid_drive(robot, ""), 0);
     EXPECT_TRUE(eventually([&] { return zeros_at_the_end(robot.commands()) >= 3; }));
     EXPECT_GE(speeds_in(robot.commands()), 1u);
-}
-
-TEST(Exit, WithTheLockHeldStillEnds) {
-    UdpRobot robot;
-    EXPECT_EQ(run_exit_in_mid_drive(robot, "locked"), 0);
-    EXPECT_GE(speeds_in(robot.commands()), 1u);
+    EXPECT_LT(speeds_in(robot.commands()), 15u) << "it is stopped; its lease ends after 20";
 }
 
 /* ------------------------------------------------------------------------- many at a time --- */
@@ -831,7 +397,7 @@ TEST(Threads, CanAllCallEverythingAtOnce) {
             }
         });
     }
-    sleep_ms(1000);
+    sleep_ms(300);
     running = false;
     for (std::thread &thread : threads) {
         thread.join();

@@ -163,24 +163,6 @@ TEST(Record, EveryDatagramOfBothDirectionsIsInTheFile) {
     EXPECT_EQ(capture.datagrams[0].payload.size(), 4u);
 }
 
-TEST(Record, OfAPumpIsCompleteFromItsFirstRequest) {
-    Folder folder;
-    UdpRobot robot;
-    roburoc4_recorder *recorder =
-        roburoc4_recorder_open((folder / "a.pcapng").c_str(), nullptr, nullptr);
-    ASSERT_NE(recorder, nullptr);
-    roburoc4_address address = robot.address();
-    roburoc4_pump *pump = roburoc4_pump_create(&address, nullptr, 0, recorder, nullptr);
-    ASSERT_NE(pump, nullptr);
-    EXPECT_TRUE(eventually([&] { return state_of(recorder).recorded > 60; }));
-    roburoc4_pump_destroy(pump);
-    EXPECT_EQ(roburoc4_recorder_close(recorder, nullptr), ROBUROC4_OK);
-    const Capture capture = read_capture(folder / "a.pcapng");
-    ASSERT_FALSE(capture.datagrams.empty());
-    EXPECT_EQ(capture.datagrams[0].flags, 2u);
-    EXPECT_EQ(capture.datagrams[0].payload.size(), 4u);
-}
-
 TEST(Record, WhatExistsIsNotOverwritten) {
     Folder folder;
     roburoc4_recorder *recorders[3];
@@ -337,34 +319,6 @@ TEST(Record, WhatASlowDiskDropsIsCountedInTheFile) {
     expect_gaps_are_counted(capture);
 }
 
-TEST(Record, ADiskThatHasRoomAgainIsWrittenToAgain) {
-    Folder folder;
-    roburoc4_recorder *recorder = open_small(folder / "a");
-    ASSERT_NE(recorder, nullptr);
-    Traffic traffic(recorder);
-    FileLimit limit(10001); /* in the middle of a block */
-    ASSERT_TRUE(eventually([&] {
-        traffic.receive(10);
-        return state_of(recorder).system_error == EFBIG && state_of(recorder).dropped > 0;
-    }));
-    EXPECT_EQ(fs::file_size(folder / "a"), 10001u);
-    limit.lift();
-    ASSERT_TRUE(eventually([&] { return state_of(recorder).system_error == 0; }));
-    ASSERT_TRUE(eventually([&] {
-        const uint64_t dropped = state_of(recorder).dropped;
-        traffic.receive(1);
-        return state_of(recorder).dropped == dropped;
-    }));
-    roburoc4_recorder_state last;
-    EXPECT_EQ(roburoc4_recorder_close(recorder, &last), ROBUROC4_OK);
-    Capture capture = read_capture(folder / "a");
-    EXPECT_FALSE(capture.is_cut);
-    EXPECT_GT(last.dropped, 0u);
-    EXPECT_EQ(capture.drop_counts(), last.dropped);
-    EXPECT_EQ(capture.datagrams.size(), last.recorded);
-    expect_gaps_are_counted(capture);
-}
-
 TEST(Record, ADiskThatStaysFullLeavesWholeBlocks) {
     Folder folder;
     roburoc4_recorder *recorder = open_small(folder / "a");
@@ -386,87 +340,6 @@ TEST(Record, ADiskThatStaysFullLeavesWholeBlocks) {
     EXPECT_EQ(capture.datagrams.size(), last.recorded);
     EXPECT_EQ(last.recorded + last.dropped, sent);
     expect_gaps_are_counted(capture);
-}
-
-TEST(Record, ZerosAreSentWhileTheDiskHangs) {
-    Folder folder;
-    Pipe pipe(folder);
-    UdpRobot robot;
-    roburoc4_recorder *recorder = open_small(pipe.path());
-    ASSERT_NE(recorder, nullptr);
-    pipe.fill();
-    const uint64_t written = state_of(recorder).bytes;
-    roburoc4_address address = robot.address();
-    const roburoc4_config patient = test::patient_config();
-    roburoc4_pump *pump = roburoc4_pump_create(&address, &patient, 0, recorder, nullptr);
-    ASSERT_NE(pump, nullptr);
-    ASSERT_EQ(roburoc4_pump_arm(pump, kPatienceUs), ROBUROC4_OK);
-    ASSERT_TRUE(eventually([&] {
-        (void)on_client(pump, roburoc4_client_drive, 0.3f, 0.0f, 0u);
-        const auto commands = robot.commands();
-        return !commands.empty() && !commands.back().is_zero();
-    }));
-    EXPECT_EQ(on_client(pump, roburoc4_client_stop), ROBUROC4_OK);
-    EXPECT_TRUE(eventually([&] { return robot.commands().back().is_zero(); }));
-    EXPECT_TRUE(eventually([&] { return state_of(recorder).dropped > 0; }));
-    roburoc4_pump_destroy(pump);
-    EXPECT_EQ(state_of(recorder).bytes, written);
-    roburoc4_recorder_state last;
-    EXPECT_EQ(roburoc4_recorder_close(recorder, &last), ROBUROC4_ERR_SYSTEM);
-    EXPECT_EQ(last.system_error, ETIMEDOUT);
-    (void)dup(open(pipe.path().c_str(), O_RDONLY | O_NONBLOCK)); /* the thread hangs on */
-}
-
-TEST(Record, TheNextFileBeginsWhenThisOneIsFull) {
-    Folder folder;
-    roburoc4_recorder_options wanted = options();
-    wanted.max_file_bytes = 5000;
-    wanted.buffer_bytes = 4096;
-    roburoc4_recorder *recorder =
-        roburoc4_recorder_open((folder / "run.pcapng").c_str(), &wanted, nullptr);
-    ASSERT_NE(recorder, nullptr);
-    Traffic traffic(recorder);
-    for (int i = 0; i < 4; i++) {
-        const uint64_t bytes = state_of(recorder).bytes;
-        traffic.receive(40);
-        ASSERT_TRUE(eventually([&] { return state_of(recorder).bytes >= bytes + 40 * 80; }));
-    }
-    roburoc4_recorder_state last;
-    EXPECT_EQ(roburoc4_recorder_close(recorder, &last), ROBUROC4_OK);
-    EXPECT_EQ(last.recorded, 160u);
-    EXPECT_EQ(last.files, 4u);
-    EXPECT_EQ(last.path, folder / "run.4.pcapng");
-    uint32_t number = 0;
-    for (const char *name : {"run.pcapng", "run.2.pcapng", "run.3.pcapng", "run.4.pcapng"}) {
-        Capture capture = read_capture(folder / name);
-        EXPECT_LE(fs::file_size(folder / name), 5000u);
-        EXPECT_TRUE(capture.has_statistics);
-        EXPECT_EQ(capture.received, capture.datagrams.size());
-        for (const RecordedDatagram &datagram : capture.datagrams) {
-            EXPECT_EQ(Traffic::number_of(datagram), number++);
-        }
-    }
-    EXPECT_EQ(number, 160u);
-}
-
-TEST(Record, TheNextFileBeginsWhenThisOneIsOld) {
-    Folder folder;
-    roburoc4_recorder_options wanted = options();
-    wanted.max_file_s = 1;
-    roburoc4_recorder *recorder =
-        roburoc4_recorder_open((folder / "run").c_str(), &wanted, nullptr);
-    ASSERT_NE(recorder, nullptr);
-    Traffic traffic(recorder);
-    ASSERT_TRUE(eventually([&] {
-        traffic.receive(1);
-        usleep(10000);
-        return state_of(recorder).files >= 2;
-    }));
-    EXPECT_EQ(roburoc4_recorder_close(recorder, nullptr), ROBUROC4_OK);
-    const std::vector<std::string> files = folder.files();
-    ASSERT_GE(files.size(), 2u);
-    EXPECT_EQ(files[0], "run");
-    EXPECT_EQ(files[1], "run.2");
 }
 
 TEST(Record, AKilledProcessLeavesWhatItRecorded) {
@@ -513,24 +386,6 @@ TEST(Record, ExitCompletesTheFile) {
     }
     ASSERT_GE(commands.size(), 4u); /* a speed and three zeros */
     EXPECT_EQ(commands.back().payload, (std::vector<uint8_t>{0xFF, 6, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
-}
-
-TEST(Record, AForkedChildRecordsNothing) {
-    Folder folder;
-    roburoc4_recorder *recorder = roburoc4_recorder_open((folder / "a").c_str(), nullptr, nullptr);
-    ASSERT_NE(recorder, nullptr);
-    Traffic traffic(recorder);
-    traffic.receive(1);
-    const pid_t child = fork();
-    if (child == 0) {
-        traffic.receive(10);
-        _exit(roburoc4_recorder_close(recorder, nullptr));
-    }
-    int status = -1;
-    waitpid(child, &status, 0);
-    EXPECT_EQ(status, 0);
-    EXPECT_EQ(roburoc4_recorder_close(recorder, nullptr), ROBUROC4_OK);
-    EXPECT_EQ(read_capture(folder / "a").datagrams.size(), 1u);
 }
 
 } // namespace

@@ -39,18 +39,9 @@ struct Driver {
             return aim();
         });
     }
-    bool reaches_state(uint32_t state) {
-        return reaches([&] { return roburoc4_client_state(&client) == state; });
-    }
     bool gets_armed() {
         return reaches(
             [&] { return roburoc4_client_arm(&client, roburoc4_udp_now_us()) == ROBUROC4_OK; });
-    }
-    roburoc4_facts facts() const {
-        roburoc4_facts facts{};
-        facts.size = sizeof facts;
-        roburoc4_client_facts(&client, roburoc4_udp_now_us(), &facts);
-        return facts;
     }
 };
 
@@ -161,63 +152,8 @@ TEST(SimProgram, RefusesABadConfigurationFile) {
     std::remove(path.c_str());
 }
 
-/* ------------------------------------------------------------------------------------- panel ---
- */
-
-TEST(SimProgram, ExecutesPanelCommands) {
-    SimProcess sim({"--port", "0", "--panel"});
-    std::vector<uint16_t> ports = sim.ports();
-    ASSERT_EQ(ports.size(), 1u);
-    Driver driver(ports[0]);
-    ASSERT_TRUE(driver.gets_armed());
-    EXPECT_EQ(sim.panel("pad a down"), "ok");
-    EXPECT_TRUE(driver.reaches([&] { return driver.facts().overridden == 1; }));
-    EXPECT_EQ(driver.facts().armed, 0);
-    EXPECT_EQ(sim.panel("pad a up"), "ok");
-    EXPECT_TRUE(driver.reaches([&] { return driver.facts().overridden == 0; }));
-    EXPECT_EQ(sim.panel("front bumper press"), "ok");
-    EXPECT_TRUE(driver.reaches([&] { return driver.facts().front_bumper == 1; }));
-    EXPECT_EQ(sim.panel("dance").rfind("error: ", 0), 0u);
-    EXPECT_EQ(sim.panel("power off"), "ok");
-    EXPECT_TRUE(driver.reaches_state(ROBUROC4_STATE_LOST));
-    EXPECT_EQ(sim.panel("power on"), "ok");
-    EXPECT_TRUE(driver.reaches_state(ROBUROC4_STATE_READY));
-    sim.panel("quit");
-    EXPECT_EQ(sim.exit_status(), 0);
-}
-
-TEST(SimProgram, OutlivesTheEndOfItsInput) {
-    SimProcess sim({"--port", "0", "--panel"});
-    std::vector<uint16_t> ports = sim.ports();
-    ASSERT_EQ(ports.size(), 1u);
-    sim.end_input();
-    Driver driver(ports[0]);
-    EXPECT_TRUE(driver.reaches_state(ROBUROC4_STATE_READY));
-    sim.signal(SIGTERM);
-    EXPECT_EQ(sim.exit_status(), 0);
-}
-
 /* ------------------------------------------------------------------------------------ clients ---
  */
-
-TEST(SimProgram, AsManualWaitsForTheMotorButton) {
-    SimProcess sim({"--as-manual", "--port", "0", "--panel"});
-    std::vector<uint16_t> ports = sim.ports();
-    ASSERT_EQ(ports.size(), 1u);
-    Driver driver(ports[0]);
-    roburoc4_localization_status pose{};
-    const auto drives = [&] {
-        (void)roburoc4_client_drive(&driver.client, 1.0f, 0.0f, 0, roburoc4_udp_now_us());
-        return roburoc4_client_localization(&driver.client, &pose, nullptr) == 0 && pose.x_m > 0.1;
-    };
-    ASSERT_TRUE(driver.gets_armed());
-    EXPECT_EQ(driver.facts().fixed_id, 1);
-    EXPECT_TRUE(driver.reaches([&] { return drives() || driver.facts().inhibited == 1; }));
-    EXPECT_EQ(driver.facts().inhibited, 1) << "the green button was not pressed";
-    EXPECT_EQ(sim.panel("motor on"), "ok");
-    ASSERT_TRUE(driver.gets_armed());
-    EXPECT_TRUE(driver.reaches(drives));
-}
 
 TEST(SimProgram, AcceptsTheRobotsNumbersByTheirNames) {
     std::string path = testing::TempDir() + "roburoc4_numbers_" + std::to_string(getpid());

@@ -10,7 +10,6 @@
 
 #include <cerrno>
 #include <csignal>
-#include <ctime>
 #include <string>
 #include <sys/time.h>
 
@@ -78,12 +77,6 @@ std::vector<uint8_t> directory_answer(uint8_t id) {
     EXPECT_GT(size, 0);
     answer.resize(static_cast<size_t>(size));
     return answer;
-}
-
-double cpu_seconds() {
-    timespec used{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
-    return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
 }
 
 /* ----------------------------------------------------------------------- the local address --- */
@@ -407,25 +400,6 @@ TEST(Udp, ReceivesOnlyFromTheRobotsAddressAndPort) {
 }
 
 /* ------------------------------------------------------------------------- absent robots --- */
-
-TEST(AbsentRobot, IsRetriedAtTheClientsPaceWithoutSpinning) {
-    Link link(address_of(free_port()));
-    double cpu_before = cpu_seconds();
-    int returns = 0;
-    ASSERT_TRUE(eventually([&] {
-        EXPECT_EQ(link.wait(500000), 0);
-        returns++;
-        return link.udp_count(ROBUROC4_UDP_COUNT_SENT) >= 5 &&
-               link.udp_count(ROBUROC4_UDP_COUNT_REFUSED) >= 4;
-    }));
-    EXPECT_LT(returns, 60);
-    EXPECT_LT(cpu_seconds() - cpu_before, 1.0);
-    EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_DROPPED), 0u)
-        << "the report of an earlier refusal does not cost the next datagram";
-    EXPECT_EQ(link.udp.fault, uint32_t{ROBUROC4_FAULT_REFUSED});
-    EXPECT_EQ(link.udp.system_error, ECONNREFUSED);
-    EXPECT_EQ(roburoc4_client_state(&link.client), uint32_t{ROBUROC4_STATE_CONNECTING});
-}
 
 TEST(AbsentRobot, IsFoundWhenItsServerStartsAndStartsAgain) {
     uint16_t port = free_port();

@@ -128,6 +128,16 @@ TEST_F(GateClient, AnOverrideHolds) {
     EXPECT_TRUE(is_waiting());
 }
 
+TEST_F(GateClient, TheEndOfAnOverrideHoldsNoLonger) {
+    set("pad_a", 1);
+    pass(1000);
+    ASSERT_FALSE(is_waiting());
+    set("pad_a", 0);
+    pass(200);
+    EXPECT_FALSE(is_waiting());
+    EXPECT_EQ(GATE_TAKEN, send(0.3F));
+}
+
 TEST_F(GateClient, ALostRobotHolds) {
     EXPECT_EQ(GATE_TAKEN, drive(0.3F));
     pass(100);
@@ -135,6 +145,22 @@ TEST_F(GateClient, ALostRobotHolds) {
     pass(1200);
     EXPECT_FALSE(gate_robot_of(&client, now_us()).ready);
     EXPECT_TRUE(is_waiting());
+}
+
+TEST_F(GateClient, OfTheEventsOfTheLinkEachOfThreeHoldsAndNoOther) {
+    for (std::uint32_t bit = 0; bit < 32; bit++) {
+        const std::uint32_t event = std::uint32_t{1} << bit;
+        if (event == ROBUROC4_EVENT_DISARMED || event == ROBUROC4_EVENT_OVERRIDE) {
+            continue; /* these depend on the cause */
+        }
+        pass(600);
+        ASSERT_FALSE(is_waiting());
+        gate_heed_events(&gate, &client, event, now_us());
+        EXPECT_EQ(event == ROBUROC4_EVENT_LOST || event == ROBUROC4_EVENT_REBOOT ||
+                      event == ROBUROC4_EVENT_CLOCK,
+                  is_waiting())
+            << bit;
+    }
 }
 
 TEST_F(GateClient, AStopStopsAndHolds) {

@@ -116,6 +116,17 @@ class GateWithoutAges : public Gate {
           }()) {}
 };
 
+/** Ages longer than the pause, which would else reject the same commands. */
+class GateWithLongAges : public Gate {
+  protected:
+    GateWithLongAges()
+        : Gate([] {
+              gate_rules rules = default_rules();
+              rules.max_age_us = 2000000;
+              return rules;
+          }()) {}
+};
+
 } // namespace
 
 /* ------------------------------------------------------------------------------------ form --- */
@@ -205,6 +216,35 @@ TEST_F(Gate, RejectsCommandsFromBeforeItsStartEvenWithAClockAhead) {
         c.utime = last_utime;
         EXPECT_NE(GATE_TAKEN, judge(c)) << at;
     }
+}
+
+TEST_F(GateWithLongAges, RejectsCommandsFromBeforeItsStartAlsoAfterThePause) {
+    restart();
+    run(600 * ms);
+    ASSERT_FALSE(gate_is_waiting(&gate, us()));
+    gate_command c = command();
+    for (const std::int64_t utime :
+         {std::int64_t{-1000000}, std::int64_t{0}, std::int64_t{600000}, std::int64_t{2000000}}) {
+        c.utime = gate.start.utime + utime;
+        EXPECT_EQ(GATE_STARTING, judge(c))
+            << "by a clock that is ahead it is from before: " << utime;
+    }
+    c.utime = gate.start.utime + 2000001;
+    EXPECT_EQ(GATE_TAKEN, judge(c));
+}
+
+TEST_F(GateWithLongAges, RejectsCommandsFromBeforeTheClockWasSetAlsoAfterThePause) {
+    gate_time now{us(), epoch + 7200 * second};
+    gate_clock_was_set(&gate, now);
+    now.us += 600000;
+    now.utime += 600000;
+    gate_command c = command();
+    c.utime = c.arrived_utime = now.utime;
+    EXPECT_EQ(GATE_STARTING, gate_judge(&gate, &c, &armed, now, &lease_us));
+    now.us += 1400001;
+    now.utime += 1400001;
+    c.utime = c.arrived_utime = now.utime;
+    EXPECT_EQ(GATE_TAKEN, gate_judge(&gate, &c, &armed, now, &lease_us));
 }
 
 TEST_F(Gate, AcceptsExactlyTheMaximumAgeAndNothingOlder) {

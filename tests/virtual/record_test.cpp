@@ -539,6 +539,10 @@ TEST_F(Record, ExitCompletesTheFileOfAllPumpsThatShareIt) {
         EXPECT_EQ(static_cast<size_t>(zeros), robot->zeros_at_the_end());
         EXPECT_GE(zeros, 3);
     }
+    for (const RecordedDatagram &datagram : all.datagrams) {
+        EXPECT_GT(datagram.flags == 2 ? datagram.from_port : datagram.to_port, 40000)
+            << "this end's port";
+    }
     EXPECT_EQ(all.datagrams[0].flags, 2u) << "complete from the first request";
     EXPECT_EQ(all.datagrams[0].payload.size(), 4u);
     for (roburoc4_pump *pump : pumps) {

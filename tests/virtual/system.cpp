@@ -534,6 +534,7 @@ int roburoc4_os_receive(int64_t socket, uint8_t *buffer, size_t capacity, size_t
     } else if (!receiver.inbox.empty()) {
         const Bytes datagram = receiver.inbox.front();
         receiver.inbox.pop_front();
+        sys.received.push_back(datagram);
         *size = std::min(datagram.size(), capacity);
         std::copy_n(datagram.begin(), *size, buffer);
         result = datagram.size() > capacity ? ROBUROC4_OS_OVERSIZED : ROBUROC4_OS_DATAGRAM;

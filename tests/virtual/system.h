@@ -45,7 +45,7 @@ struct System {
     bool receive_forever = false;              /* a datagram is always there */
     uint64_t receive_takes_us = 0;
     bool waits_fail = false; /* the socket cannot be waited for */
-    std::vector<Bytes> sent;
+    std::vector<Bytes> sent, received;
     std::vector<uint64_t> sent_us, connects_us;
     int receive_calls = 0, waits = 0;
     int64_t waited_on = 0;

@@ -79,14 +79,34 @@ TEST_F(Faults, ReconnectingIsLimitedToOnceASecond) {
     }
 }
 
+TEST_F(Faults, AnAddressThatItCannotUseLeavesNoSocketOpen) {
+    roburoc4_address local = address_;
+    sys.bind_fault = ROBUROC4_FAULT_DOWN;
+    EXPECT_EQ(roburoc4_udp_open_from(&udp_, sizeof udp_, &address_, &local), ROBUROC4_ERR_SYSTEM);
+    sys.bind_fault = ROBUROC4_FAULT_NONE;
+    for (uint32_t fault : {uint32_t{ROBUROC4_FAULT_DENIED}, uint32_t{ROBUROC4_FAULT_OTHER}}) {
+        sys.connect_fault = fault;
+        EXPECT_EQ(roburoc4_udp_open(&udp_, sizeof udp_, &address_), ROBUROC4_ERR_SYSTEM);
+        EXPECT_EQ(udp_.fault, fault);
+    }
+    EXPECT_EQ(sys.sockets, 0);
+}
+
 TEST_F(Faults, APathThatFailsForASecondIsReconnected) {
     open();
+    live(5000000);                        /* long after it was connected */
     sys.send_fault = ROBUROC4_FAULT_DOWN; /* its own address was removed */
-    live(600000);
+    while (count(ROBUROC4_UDP_COUNT_DROPPED) == 0) {
+        live(1000);
+    }
+    for (int i = 0; i < 90; i++) {
+        ASSERT_GE(roburoc4_udp_wait(&udp_, &client_, 10000), 0);
+    }
     EXPECT_EQ(sys.connects_us.size(), 1u) << "time to recover by itself";
     live(2500000);
     EXPECT_GE(sys.connects_us.size(), 2u);
     sys.send_fault = ROBUROC4_FAULT_NONE;
+    sys.sent.clear();
     live(2000000);
     EXPECT_FALSE(sys.sent.empty());
     size_t connects = sys.connects_us.size();

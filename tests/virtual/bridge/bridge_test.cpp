@@ -104,7 +104,7 @@ int lcm_handle_timeout(lcm_t *, int) {
     lcm_recv_buf_t buffer{};
     buffer.data = message.bytes.data();
     buffer.data_size = static_cast<uint32_t>(message.bytes.size());
-    buffer.recv_utime = static_cast<int64_t>(sys.calendar_us + message.at_us);
+    buffer.recv_utime = static_cast<int64_t>(sys.calendar_us + sys.now_us); /* LCM's thread ran */
     for (const auto &subscription : bus.subscriptions) {
         if (std::regex_match(message.channel, subscription->pattern)) {
             subscription->handler(&buffer, message.channel.c_str(), subscription->user);
@@ -128,8 +128,11 @@ uint32_t watch_wait(int wait_ms, uint32_t *ready) {
                std::any_of(bus.watched.begin(), bus.watched.end(),
                            [=](const auto &one) { return is_ready(one.second); });
     });
-    bus.interrupted = false;
     uint32_t count = 0;
+    if (bus.interrupted) { /* as epoll_wait() does */
+        bus.interrupted = false;
+        return 0;
+    }
     for (const auto &[number, fd] : bus.watched) {
         if (is_ready(fd)) {
             ready[count++] = number;
@@ -279,8 +282,9 @@ TEST_F(Bridge, ItClosesForAtMost600Milliseconds) {
     robot_->silent = true;
     const uint64_t asked_us = sys.now_us;
     end(SIGTERM);
-    drive(0.5); /* not read any more */
+    drive(0.5);
     bridge_->join();
+    EXPECT_EQ(bus.unread.size(), 1u) << "not read any more";
     EXPECT_GE(sys.now_us, asked_us + 600 * kMs);
     EXPECT_LE(sys.now_us, asked_us + 660 * kMs);
     sleep_ms(1);
@@ -340,6 +344,38 @@ TEST_F(Bridge, CommandsOfTheTimeInWhichItHungDoNotDrive) {
     expect_stopped_at(awake_us);
 }
 
+TEST_F(Bridge, ALeaseRunsWhileTheBridgeHangsAlsoWhereAgesAreNotChecked) {
+    start({"--max-age-ms", "0"});
+    stream(0.3, 500);
+    sleep_ms(600);
+    const uint64_t rests_us = sys.now_us;
+    at(rests_us + 10 * kMs, [this] { drive(0.4, 60000); });
+    stall_ms(230); /* longer than its longest wait, and short enough for the client */
+    sleep_ms(400);
+    EXPECT_LE(robot_->last_speed_us(), rests_us);
+    sleep_ms(600);
+    drive(0.4);
+    sleep_ms(100);
+    EXPECT_GT(robot_->last_speed_us(), rests_us);
+}
+
+TEST_F(Bridge, TheTimeInWhichItHungIsNoPause) {
+    start();
+    stream(0.3, 500);
+    stop();
+    sleep_ms(240);
+    const uint64_t hangs_us = sys.now_us;
+    stall_ms(230); /* longer than its longest wait */
+    sleep_ms(50);  /* half a second after the stop, of which it saw less */
+    drive(0.3);
+    sleep_ms(300);
+    EXPECT_LE(robot_->last_speed_us(), hangs_us);
+    sleep_ms(500);
+    drive(0.3);
+    sleep_ms(100);
+    EXPECT_GT(robot_->last_speed_us(), hangs_us);
+}
+
 TEST_F(Bridge, AfterTheClockWasSetAllMustPause) {
     start({"--max-age-ms", "1000"});
     stream(0.3, 500);
@@ -359,6 +395,9 @@ TEST_F(Bridge, ABrokenSocketIsReplacedAfterASecondAndAllMustPause) {
     const uint64_t broke_us = sys.now_us;
     const size_t connects = sys.connects_us.size();
     stream(0.3, 3000);
+    EXPECT_TRUE(std::any_of(robot_->commands.begin(), robot_->commands.end(), [=](const auto &c) {
+        return c.is_zero() && c.at_us >= broke_us && c.at_us <= broke_us + 60 * kMs;
+    })) << "it may still be able to send";
     ASSERT_EQ(sys.connects_us.size(), connects + 1);
     EXPECT_GE(sys.connects_us.back(), broke_us + kSecond);
     EXPECT_LE(sys.connects_us.back(), broke_us + 1100 * kMs);
