@@ -77,7 +77,8 @@ class SimServer : public testing::Test {
             for (std::string &argument : arguments_) {
                 pointers.push_back(argument.data());
             }
-            status_ = sim_main(static_cast<int>(pointers.size()), pointers.data());
+            pointers.push_back(nullptr); /* as C promises main() */
+            status_ = sim_main(static_cast<int>(arguments_.size()), pointers.data());
             ended_us_ = sys.now_us;
         });
         sleep_ms(1);
