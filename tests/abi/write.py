@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Write released.inc: the public functions, structs and constants of this checkout, as C asserts.
+"""Write released.inc: the public functions, structs and constants of a release, as C asserts.
 
-write.py OUTPUT (scripts/abi --write calls it); needs clang, which knows 32 and 64 bits.
+write.py RELEASE OUTPUT (scripts/abi calls it); needs clang, which knows 32 and 64 bits.
 """
 
 import re
@@ -9,7 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(sys.argv[1])
 HEADERS = ("codec", "", "move", "udp", "record", "pump", "sim")
 LIVING = ("VERSION", "PROTOCOL_REVISION")  # a later library may have other ones
 COUNTS = ("ROBUROC4_COUNTERS", "ROBUROC4_UDP_COUNTERS")  # or more
@@ -73,7 +73,7 @@ def main() -> None:
         ),
     )
     names = [name for name in names if not name.endswith(("_API", "_MUST_CHECK"))]
-    lines = ["/* Written by scripts/abi --write. */\n"]
+    lines = ["/* Written by scripts/abi. */\n"]
     lines += [
         f"FUNCTION({name}, {' '.join(result.split())}, ({arguments}))"
         for result, name, arguments in sorted(functions, key=lambda f: f[1])
@@ -91,7 +91,7 @@ def main() -> None:
         lines.append(
             f"{kind}, {number(pair)})" if name is None else f"{kind}({name}, {number(pair)})"
         )
-    Path(sys.argv[1]).write_text("\n".join(lines) + "\n", "utf-8")
+    Path(sys.argv[2]).write_text("\n".join(lines) + "\n", "utf-8")
 
 
 main()
