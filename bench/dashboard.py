@@ -11,7 +11,6 @@ too short to tell.
 
 import argparse
 import contextlib
-import json
 import math
 import os
 import re
@@ -122,28 +121,19 @@ def share_while_driving(page: Page, pid: int, seconds: float) -> float:
     sys.exit("it did not keep driving: leave the machine idle, and start again")
 
 
-def write_results(path: str, shares: dict[str, float]) -> None:
-    """Write the figures in the format of bench/README.md."""
+def write_results(folder: str, shares: dict[str, float]) -> None:
+    """Write the figures for bench/report.py."""
     import figures
 
-    results = [
-        {"name": f"processor time, {name}", "unit": "% of a core", "value": round(100 * share, 2)}
-        | {"aim": 100 * CPU_SHARE, "better": "lower"}
-        for name, share in shares.items()
-    ]
-    document = {
-        "part": "dashboard",
-        "title": "Dashboard",
-        "about": "Share of one core: five services at 50 Hz, three pages open in Chromium. Driven "
-        "with a lease of 1 s (default 250 ms), so that a stall of the machine does not end it.",
-        "measured": time.strftime("%Y-%m-%d"),
-        "machine": figures.machine(),
-        "code": figures.code(),
-        "source": figures.source(),
-        "results": results,
-    }
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(json.dumps(document, indent=2) + "\n")
+    about = (
+        "Share of one core: five services at 50 Hz, three pages open in Chromium. Driven with a "
+        "lease of 1 s (default 250 ms), so that a stall of the machine does not end it."
+    )
+    part = figures.Part("dashboard", "Dashboard", about, [])
+    for name, share in shares.items():
+        value, aim = round(100 * share, 2), 100 * CPU_SHARE
+        part.add(f"processor time, {name}", "roburoc4", "% of a core", value, aim=aim)
+    part.write(folder)
 
 
 def bench_cpu(seconds: float, path: str | None) -> bool:
@@ -259,13 +249,13 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=15.0, help="of each measurement of cpu")
     parser.add_argument("--minutes", type=float, default=60.0, help="of the run of memory")
     parser.add_argument("--every", type=float, default=15.0, metavar="S", help="sample this often")
-    parser.add_argument("--json", metavar="FILE", help="write the figures of cpu there")
+    parser.add_argument("--out", metavar="FOLDER", help="write the figures of cpu there")
     options = parser.parse_args()
     if options.minutes * 60.0 < 8 * options.every:
         parser.error(f"--minutes {options.minutes:g}: give time for 8 samples, or less to --every")
     if options.what == "memory":
         return bench_memory(options.minutes, options.every)
-    return 0 if bench_cpu(options.seconds, options.json) else 1
+    return 0 if bench_cpu(options.seconds, options.out) else 1
 
 
 if __name__ == "__main__":

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Write one part's figures to a file; bench/README.md has its format."""
+"""Write one part's figures to a file, for bench/report.py."""
 
 import argparse
 import datetime
-import hashlib
 import json
 import math
 import os
@@ -62,19 +61,11 @@ def code():
     git = ("git", "-C", TOP)
     try:
         commit = first_line(*git, "describe", "--always", "--tags")
-        kept = (":!bench/results", ":!bench/RESULTS.md", ":!docs/images")
+        kept = (":!bench/RESULTS.md",)
         changed = run(*git, "status", "--porcelain", "--untracked-files=no", "--", TOP, *kept)
     except (OSError, subprocess.CalledProcessError):
         return "no commit"  # an archive of the sources
     return commit + ("-dirty" if changed else "")
-
-
-def source():
-    """Return a checksum of src/ and include/, which shows a report that figures are old."""
-    digest = hashlib.sha256()
-    for path in sorted(p for folder in ("src", "include") for p in (TOP / folder).rglob("*.[ch]")):
-        digest.update(path.relative_to(TOP).as_posix().encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()[:16]
 
 
 def median_interval(samples):
@@ -122,7 +113,6 @@ class Part:
             "measured": datetime.datetime.now(datetime.UTC).date().isoformat(),
             "machine": machine(),
             "code": code(),
-            "source": source(),
             "versions": versions,
             "quick": "--quick" in sys.argv,
         }

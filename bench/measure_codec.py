@@ -1,31 +1,23 @@
 # SPDX-License-Identifier: MIT
-"""Measure the codec beside its peers: time by Google Benchmark, instructions by callgrind."""
+"""Measure the codec beside its peers."""
 
 import json
-import pathlib
-import re
-import tempfile
 
 import figures
 
-CALLS_COUNTED = 1000
-ABOUT_TIME = (
+ABOUT = (
     "Nanoseconds of processor time a message, through a function pointer: median of the "
     "repetitions, and its 95 % interval. Decoding ends with every value in a plain "
     "struct. `memcpy` only moves the same bytes, and checks nothing. MAVLink also "
     "frames, computes a checksum, and parses byte by byte as from a serial line; LCM prefixes a "
     "type hash; nanopb writes tagged variable-length integers."
 )
-ABOUT_COUNT = (
-    "The same calls in machine instructions, counted by callgrind (less those of a call that does "
-    "nothing), which do not depend on what else the machine does."
-)
 
 
 def versions(build):
     """Return the versions of compiler and peers."""
     found = [figures.compiler(build)]
-    for package in ("liblcm-dev", "libbenchmark-dev", "valgrind"):
+    for package in ("liblcm-dev", "libbenchmark-dev"):
         found.append(figures.packaged(package))
     return found + figures.pinned("nanopb", "pymavlink")
 
@@ -65,36 +57,11 @@ def measure_time(build, quick):
     return values
 
 
-def measure_instructions(build):
-    counts = {}
-    with tempfile.TemporaryDirectory() as folder:
-        out = pathlib.Path(folder) / "count"
-        figures.run(
-            "valgrind",
-            "-q",
-            "--tool=callgrind",
-            f"--callgrind-out-file={out}",
-            build / "bin/codec_count",
-        )
-        for profile in pathlib.Path(folder).iterdir():
-            text = profile.read_text(encoding="utf-8")
-            trigger = re.search(r"^desc: Trigger: Client Request: (.*)$", text, re.MULTILINE)
-            if trigger:
-                total = int(re.search(r"^(?:summary|totals): (\d+)", text, re.MULTILINE).group(1))
-                counts[tuple(trigger.group(1).split("/"))] = total / CALLS_COUNTED
-    calls = {d: counts.pop((d, "nothing", "call")) for d in ("encode", "decode")}
-    return {name: [round(n - calls[name[0]], 1)] * 3 for name, n in counts.items()}
-
-
 def main():
     given = figures.arguments(__doc__)
-    tools = versions(given.build)
-    time = figures.Part("codec", "Codec: time", ABOUT_TIME, tools)
-    add_all(time, "ns", measure_time(given.build, given.quick))
-    time.write(given.out)
-    count = figures.Part("instructions", "Codec: instructions", ABOUT_COUNT, tools)
-    add_all(count, "instructions", measure_instructions(given.build))
-    count.write(given.out)
+    part = figures.Part("codec", "Codec", ABOUT, versions(given.build))
+    add_all(part, "ns", measure_time(given.build, given.quick))
+    part.write(given.out)
 
 
 if __name__ == "__main__":
