@@ -4,11 +4,10 @@
 import signal
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 import roburoc4_lcm
-from rig import Bridge, Bus, Planner, Programs, Robot, until
+from rig import Bridge, Bus, Planner, Robot, until
 from rig.bus import now_us
 
 StartBridge = Callable[..., Bridge]
@@ -82,40 +81,6 @@ def test_after_a_break_it_stays_still_until_commands_pause(
     assert robot.tap.moves(ready_us) == [], "a pause alone does not move it"
     planner.signal(signal.SIGCONT)
     until(lambda: robot.tap.moves(ready_us), "the next command drives")
-
-
-def test_a_past_cause_is_reported_as_past(robot: Robot, armed: Bridge, plan: Plan) -> None:
-    planner = plan(linear=0.3)
-    until(robot.tap.moves, "a speed reaches the robot")
-    planner.end()
-    robot.tell("pad a down")
-    until(lambda: "release [A]" in armed.state.message, "it says what to do")
-    robot.tell("pad a up")
-    until(lambda: "next command" in armed.state.message, "it says what comes next")
-    assert "was disarmed (game pad override)" in armed.state.message
-    assert "release" not in armed.state.message
-
-
-def test_after_the_clock_is_set_all_must_pause(
-    programs: Programs, robot: Robot, start_bridge: StartBridge, plan: Plan, tmp_path: Path
-) -> None:
-    step = tmp_path / "step"
-    clock = {"LD_PRELOAD": str(programs("clock_step.so")), "CLOCK_STEP_FILE": str(step)}
-    bridge = start_bridge("--enable-drive", "--max-age-ms=0", environment=clock).arms()
-    planner = plan(linear=0.5)
-    until(robot.tap.moves, "a speed reaches the robot")
-    step.touch()
-    set_us = now_us()
-    bridge.says("clock was set by -2.0")
-    until(lambda: bridge.state.waiting, "the bridge waits for a pause")
-    time.sleep(1.0)
-    # What was given before ends with its lease.
-    assert robot.tap.moves(set_us + 450_000) == [], "commands stream, it stays still"
-    planner.signal(signal.SIGSTOP)
-    until(lambda: not bridge.state.waiting, "the pause is over")
-    paused_us = now_us()
-    planner.signal(signal.SIGCONT)
-    until(lambda: robot.tap.moves(paused_us), "the next command drives")
 
 
 def test_a_robot_that_is_absent_is_reported_and_found(

@@ -3,24 +3,11 @@
 
 import signal
 from collections.abc import Callable
-from contextlib import AbstractContextManager
 
 from rig import Bridge, Bus, Planner, Robot, until
-from rig.bus import now_us, repeated, stop_command
-from test_driving import output_command
+from rig.bus import now_us, stop_command
 
 Plan = Callable[..., Planner]
-
-
-def lamp(bus: Bus) -> AbstractContextManager[None]:
-    """A program that switches an output five times a second."""
-
-    def switch() -> None:
-        command = output_command(3)
-        command.sender = "lamp"
-        bus.publish("ROBUROC4_OUTPUT_CMD", command.encode())
-
-    return repeated(switch, 0.2)
 
 
 def test_of_two_commanders_the_first_keeps_control(robot: Robot, armed: Bridge, plan: Plan) -> None:
@@ -38,46 +25,6 @@ def test_of_two_commanders_the_first_keeps_control(robot: Robot, armed: Bridge, 
     # Not before the first one's lease was over, the last of which began 50 ms ago at most.
     changed = next(command for command in robot.tap.moves() if command.linear_m_s < 0)
     assert changed.time_us - killed_us > 200_000
-
-
-def test_outputs_take_no_control_from_a_planner(
-    robot: Robot, bus: Bus, willing: Bridge, plan: Plan
-) -> None:
-    with lamp(bus):
-        until(lambda: willing.statistics.accepted_output > 1, "the lamp is switched")
-        assert willing.state.control_owner == "", "nobody drives"
-        plan(sender="planner", linear=0.3)
-        until(robot.tap.moves, "the planner drives")
-        until(
-            lambda: willing.statistics.rejected_control > 1,
-            "the lamp is refused while another drives",
-        )
-        until(lambda: willing.statistics.accepted_drive > 5, "the planner goes on")
-        assert willing.state.control_owner == "planner"
-
-
-def test_outputs_do_not_prolong_a_pause(robot: Robot, bus: Bus, willing: Bridge) -> None:
-    """An output command cannot say zero."""
-    with lamp(bus):
-        robot.tell("pad a down")
-        until(lambda: willing.state.overridden, "the bridge sees the override")
-        robot.tell("pad a up")
-        until(lambda: not willing.state.overridden, "the bridge sees its end")
-        until(lambda: not willing.state.waiting, "the pause is over")
-        before = willing.statistics.accepted_output
-        until(lambda: willing.statistics.accepted_output > before + 1, "the lamp is switched again")
-
-
-def test_disabled_drive_commands_do_not_delay_others(
-    robot: Robot, bus: Bus, start_bridge: Callable[..., Bridge], plan: Plan
-) -> None:
-    bridge = start_bridge("--enable-outputs").connects()
-    plan(linear=0.3)
-    robot.reboot()
-    until(lambda: bridge.statistics.reboots == 1, "the reboot is counted")
-    with lamp(bus):
-        until(lambda: bridge.statistics.accepted_output > 1, "the lamp is switched")
-    assert robot.tap.moves() == []
 
 
 def test_only_allowed_senders_drive_and_anybody_stops(

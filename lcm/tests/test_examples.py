@@ -130,12 +130,6 @@ def test_the_move_of_the_page_reaches_its_goal(
     until(robot.stands, "the robot stands")
 
 
-def test_the_python_example_is_short() -> None:
-    text = (EXAMPLES / "drive.py").read_text()
-    code = [line for line in text.split('"""')[2].splitlines() if line.strip()]
-    assert len(code) <= 25
-
-
 def test_the_c_example_drives_to_a_point(
     programs: Programs, robot: Robot, bus: Bus, armed: Bridge, run: Run
 ) -> None:
@@ -156,13 +150,6 @@ def test_the_c_example_ends_when_somebody_takes_the_robot_over(
     robot.tell("pad a down")
     assert example.ends(10) == 1
     assert "bridge: " in example.output
-
-
-def test_the_c_example_says_when_there_is_no_bridge(programs: Programs, bus: Bus, run: Run) -> None:
-    example = run(programs("drive_to"), "1", "0", LCM_DEFAULT_URL=bus.url)
-    assert example.ends(30) == 1
-    assert "roburoc4-lcm" in example.output
-    assert run(programs("drive_to"), "1", "here").ends(10) == 2
 
 
 def test_the_c_example_steers_by_fresh_statuses_only(
@@ -197,25 +184,6 @@ def test_the_c_example_steers_by_fresh_statuses_only(
     for _ in range(60):
         hears(-1_500_000)
     assert example.ends(1) == 1, "statuses of a log do not keep it waiting"
-
-
-@pytest.mark.parametrize("name", ["drive.py", "drive_to"])
-def test_of_two_runs_of_an_example_one_drives(
-    programs: Programs, robot: Robot, bus: Bus, armed: Bridge, run: Run, name: str
-) -> None:
-    command = {
-        "drive.py": [sys.executable, EXAMPLES / "drive.py"],
-        "drive_to": [programs("drive_to"), "3", "0"] if name == "drive_to" else [],
-    }
-    run(*command[name], LCM_DEFAULT_URL=bus.url)
-    run(*command[name], LCM_DEFAULT_URL=bus.url)
-    until(lambda: armed.statistics.rejected_control > 0, "the other is refused")
-    found = [
-        roburoc4_lcm.drive_command_t.decode(message.data).sender
-        for message in bus.of("ROBUROC4_DRIVE_CMD")
-    ]
-    assert len(set(found)) == 2
-    assert all(sender.startswith(name + " ") for sender in found)
 
 
 @pytest.mark.java

@@ -9,8 +9,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from rig import Bridge, Bus, Planner, Programs, Robot, holds, until
-from rig.bus import now_us, stop_command
+from rig import Bridge, Bus, Planner, Programs, Robot, until
 
 StartFleet = Callable[..., Bridge]
 Plan = Callable[..., Planner]
@@ -79,32 +78,6 @@ def test_a_name_without_address_affects_one_robot(
     assert "LOST: no answer" not in bridge.output, "it is not tried again"
 
 
-@pytest.mark.parametrize("channel", ["ALL_STOP_CMD", "HALT_CMD"])
-def test_one_channel_stops_the_whole_fleet(
-    start_robot: Callable[..., Robot], start_fleet: StartFleet, bus: Bus, plan: Plan, channel: str
-) -> None:
-    red, blue = start_robot("--robots", "2").taps
-    start_fleet(
-        f"[DEFAULT]\nenable-drive = yes\nfleet-stop = {channel}\n"
-        f"[RED]\naddress = {red.address}\n[BLUE]\naddress = {blue.address}\n"
-    )
-    can_drive(bus, "RED", "BLUE")
-    plan(channel="RED_DRIVE_CMD", linear=0.3)
-    plan(channel="BLUE_DRIVE_CMD", linear=0.3, sender="other")
-    until(lambda: red.moves() and blue.moves(), "both drive")
-    stop_us = now_us()
-    bus.publish(channel, stop_command("operator").encode())
-    until(
-        lambda: all(bus.last(f"{name}_BRIDGE_STATE").stopped for name in ("RED", "BLUE")),
-        "both are stopped",
-    )
-    time.sleep(1.0)
-    for robot in (red, blue):
-        assert robot.moves(stop_us + 150_000) == [], "their planners go on"
-    for name in ("RED", "BLUE"):
-        assert bus.last(f"{name}_BRIDGE_STATE").stopped_by == "operator"
-
-
 def test_a_flood_from_one_robot_does_not_affect_others(
     start_robot: Callable[..., Robot], start_fleet: StartFleet, bus: Bus, plan: Plan
 ) -> None:
@@ -163,20 +136,3 @@ def test_check_shows_what_would_run(programs: Programs, tmp_path: Path) -> None:
     done = check()
     assert done.returncode == 2
     assert f"{file}:3: speed = 3: no such setting" in done.stderr
-
-
-def test_a_fleet_that_cannot_open_a_socket_continues(
-    programs: Programs, start_robot: Callable[..., Robot], tmp_path: Path, ends: ExitStack, bus: Bus
-) -> None:
-    robots = start_robot("--robots", "8")
-    file = tmp_path / "fleet.ini"
-    file.write_text(
-        "".join(f"[R{at}]\naddress = {tap.address}\n" for at, tap in enumerate(robots.taps))
-    )
-    few = ("prlimit", "--nofile=14:14")
-    bridge = Bridge(programs, tmp_path, bus, None, "--config", str(file), through=few)
-    ends.callback(bridge.end)
-    bus.hears("R0_LOCALIZATION")
-    bridge.says("R7: no socket for")
-    holds(lambda: bridge.running, "the bridge runs", 1.0)
-    assert bus.last("R7_BRIDGE_STATE").faults & bus.last("R7_BRIDGE_STATE").FAULT_SOCKET

@@ -117,23 +117,6 @@ def test_a_replayed_log_does_not_move_the_robot(
     assert rejected(bridge) - before == commands
 
 
-def test_a_log_replayed_within_max_age_does_not_move_the_robot(
-    robot: Robot, bus: Bus, armed: Bridge, plan: Plan
-) -> None:
-    planner = plan(ahead_s=0.15)
-    until(robot.tap.moves, "live commands drive")
-    planner.signal(signal.SIGKILL)
-    planner.ends()
-    robot_us = now_us()
-    time.sleep(0.05)
-    # Its utime is still later than now.
-    for message in bus.of(DRIVE):
-        bus.publish(DRIVE, message.data)
-    until(lambda: armed.statistics.rejected_repeated > 0, "they are refused")
-    time.sleep(0.5)
-    assert robot.tap.moves(robot_us + 450_000) == []
-
-
 @pytest.mark.parametrize(
     ("options", "ahead_s"),
     [

@@ -2,13 +2,12 @@
 """Moves that the bridge drives: leased and gated as speeds are."""
 
 import time
-from collections.abc import Callable
 from contextlib import AbstractContextManager
 from typing import Any
 
 import pytest
 import roburoc4_lcm
-from rig import Bridge, Bus, Planner, Robot, until
+from rig import Bridge, Bus, Robot, until
 from rig.bus import drive_command, move_command, now_us, repeated, stop_command
 
 Status = roburoc4_lcm.move_status_t
@@ -61,19 +60,6 @@ def test_a_move_reaches_its_goal_once(
     until(robot.stands, "the robot stands")
 
 
-def test_a_move_that_is_not_sent_again_lapses(robot: Robot, bus: Bus, armed: Bridge) -> None:
-    with moving(bus, 1, distance_m=3.0):
-        until(robot.tap.moves, "it drives")
-        until(lambda: armed.state.control_owner == "planner", "its sender is in control")
-    last_us = bus.of(MOVE)[-1].time_us
-    ends_as(bus, armed, 1, Status.RESULT_LAPSED)
-    assert not [c for c in robot.tap.moves() if c.time_us - last_us > 450_000]
-    until(robot.stands, "the robot stands")
-    until(lambda: not armed.state.armed, "it is disarmed a second later")
-    with moving(bus, 2, distance_m=0.3):
-        ends_as(bus, armed, 2, Status.RESULT_REACHED)
-
-
 def test_a_stop_ends_a_move_for_good(robot: Robot, bus: Bus, armed: Bridge) -> None:
     with moving(bus, 1, distance_m=3.0):
         until(robot.tap.moves, "it drives")
@@ -104,36 +90,3 @@ def test_a_speed_of_its_sender_ends_a_move(robot: Robot, bus: Bus, armed: Bridge
     bus.publish("ROBUROC4_DRIVE_CMD", drive_command(-0.25).encode())
     ends_as(bus, armed, 1, Status.RESULT_CANCELLED)
     until(lambda: robot.tap.moves()[-1].linear_m_s == -0.25, "the speed is driven")
-
-
-def test_of_two_senders_one_is_in_control(
-    robot: Robot, bus: Bus, armed: Bridge, plan: Callable[..., Planner]
-) -> None:
-    with moving(bus, 1, distance_m=1.0):
-        until(robot.tap.moves, "it drives")
-        plan(sender="other", linear=-0.2)
-        until(lambda: armed.statistics.rejected_control > 3, "the other is refused")
-        assert min(command.linear_m_s for command in robot.tap.moves()) > 0
-
-
-def test_moves_need_the_same_permission_and_sense(
-    robot: Robot, bus: Bus, start_bridge: Callable[..., Bridge]
-) -> None:
-    watching = start_bridge().connects()
-    bus.publish(MOVE, move_command(1, distance_m=1.0).encode())
-    until(lambda: watching.statistics.rejected_disabled == 1, "it is refused")
-    watching.end()
-    bridge = start_bridge("--enable-drive").arms()
-    wrong: list[dict[str, float]] = [
-        {"kind": 3},
-        {"distance_m": 1e6},
-        {"distance_m": -1e300},
-        {"linear_m_s": 1e300},
-    ]
-    for move_id, fields in enumerate(wrong, 2):
-        bus.publish(MOVE, move_command(move_id, **fields).encode())
-    until(lambda: bridge.statistics.rejected_impossible >= 3, "they are refused")
-    until(lambda: "there is no such move" in bridge.state.rejected_message, "it says why")
-    bus.publish(MOVE, move_command(9, distance_m=float("nan")).encode())
-    until(lambda: bridge.statistics.rejected_not_finite == 1, "it is refused")
-    assert robot.tap.moves() == []

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Anyone can stop the robot at any time, and zeros do not keep others from driving."""
 
-import signal
 import time
 from collections.abc import Callable
 
@@ -31,47 +30,6 @@ def stops_for_good(robot: Robot, since_us: int) -> None:
     assert zeros[0].time_us - since_us < MARGIN_US
     assert robot.tap.moves(since_us + MARGIN_US) == []
     until(robot.stands, "the robot stands")
-
-
-@pytest.mark.parametrize("sender", ["", "operator", "planner"])
-def test_a_stop_is_obeyed_while_another_drives(
-    robot: Robot, bus: Bus, armed: Bridge, plan: Plan, sender: str
-) -> None:
-    plan(linear=0.5)
-    drives(robot)
-    stop_us = now_us()
-    bus.publish(STOP, stop_command(sender).encode())
-    stops_for_good(robot, stop_us)
-
-
-def test_a_stop_holds_until_a_command_after_a_pause(
-    robot: Robot, bus: Bus, armed: Bridge, plan: Plan
-) -> None:
-    planner = plan(linear=0.5)
-    drives(robot)
-    stop_us = now_us()
-    bus.publish(STOP, stop_command("operator").encode())
-    stops_for_good(robot, stop_us)
-    planner.signal(signal.SIGSTOP)
-    paused_us = now_us()
-    time.sleep(0.8)
-    assert robot.tap.moves(paused_us) == [], "a pause alone does not move it"
-    planner.signal(signal.SIGCONT)
-    until(lambda: robot.tap.moves(paused_us), "the next command drives")
-
-
-def test_a_stream_that_never_pauses_does_not_drive_on_after_a_stop(
-    robot: Robot, bus: Bus, armed: Bridge, plan: Plan
-) -> None:
-    plan(linear=0.5)
-    drives(robot)
-    stop_us = now_us()
-    bus.publish(STOP, stop_command("operator").encode())
-    stops_for_good(robot, stop_us)
-    time.sleep(2.0)
-    assert robot.tap.moves(stop_us + MARGIN_US) == []
-    assert not armed.state.armed, "a stop latches"
-    assert armed.state.stop_outcome == armed.state.STOP_CONFIRMED
 
 
 @pytest.mark.parametrize(

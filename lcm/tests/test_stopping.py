@@ -12,7 +12,7 @@ from contextlib import ExitStack
 import pytest
 from processes import drives, first_zero_us
 from rig import Bridge, Bus, Planner, Programs, Robot, until
-from rig.bus import drive_command, now_us, stop_command
+from rig.bus import drive_command, now_us
 
 StartBridge = Callable[..., Bridge]
 Plan = Callable[..., Planner]
@@ -37,29 +37,6 @@ def test_a_killed_planner_stops_the_robot_within_the_lease(
     until(robot.stands, "the robot stands")
     assert not armed.state.driving
     assert armed.state.can_drive, "a new command would drive again"
-
-
-def test_a_hung_planner_stops_the_robot_within_the_lease(
-    robot: Robot, bus: Bus, armed: Bridge, plan: Plan
-) -> None:
-    planner = plan(linear=0.5)
-    drives(robot)
-    planner.signal(signal.SIGSTOP)
-    time.sleep(0.05)
-    last_us = bus.of(DRIVE)[-1].time_us
-    assert first_zero_us(robot) - last_us < LEASE_US + MARGIN_US
-    continued_us = now_us()
-    planner.signal(signal.SIGCONT)
-    until(lambda: robot.tap.moves(continued_us), "a planner that wakes up drives on")
-
-
-def test_a_zero_stops_at_once(robot: Robot, bus: Bus, armed: Bridge, plan: Plan) -> None:
-    plan(linear=0.5).end()
-    bus.publish(DRIVE, drive_command(0.5, sender="planner", lease_us=LEASE_US).encode())
-    until(robot.tap.moves, "a speed reaches the robot")
-    stop_us = now_us()
-    bus.publish(DRIVE, drive_command(0.0, sender="planner").encode())
-    assert first_zero_us(robot) - stop_us < MARGIN_US
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
@@ -115,62 +92,6 @@ def test_a_log_that_nobody_reads_does_not_delay_a_stop(
         assert bridge.wait(5) == 0
 
 
-MAX_AGES = pytest.mark.parametrize("options", [[], ["--max-age-ms=0"]], ids=["max age", "any age"])
-
-
-@MAX_AGES
-def test_commands_missed_by_a_hung_bridge_are_not_driven(
-    robot: Robot, start_bridge: StartBridge, plan: Plan, options: list[str]
-) -> None:
-    """Other causes of disarming help here; in the next tests only the length of the hang counts."""
-    bridge = start_bridge("--enable-drive", *options).arms()
-    planner = plan(linear=0.5, rate=100)
-    drives(robot)
-    bridge.signal(signal.SIGSTOP)
-    # More than LCM's own queue holds, and the end of it is older than a lease.
-    time.sleep(1.0)
-    planner.signal(signal.SIGKILL)
-    time.sleep(0.6)
-    continued_us = now_us()
-    bridge.signal(signal.SIGCONT)
-    until(lambda: robot.tap.commands(continued_us), "it wakes up and sends zeros")
-    time.sleep(1.0)
-    assert robot.tap.moves(continued_us) == []
-    until(robot.stands, "the robot stands")
-
-
-@MAX_AGES
-def test_a_lease_runs_while_the_bridge_is_hung(
-    robot: Robot, bus: Bus, start_bridge: StartBridge, options: list[str]
-) -> None:
-    bridge = start_bridge("--enable-drive", *options).arms()
-    bridge.signal(signal.SIGSTOP)
-    bus.publish(DRIVE, drive_command(0.5, lease_us=50_000).encode())
-    # Long enough for the lease, and too short for the robot to count as lost.
-    time.sleep(0.12)
-    bridge.signal(signal.SIGCONT)
-    until(lambda: bridge.statistics.rejected_too_old == 1, "it came too late")
-    assert robot.tap.moves() == []
-
-
-@MAX_AGES
-def test_time_in_which_the_bridge_hung_is_not_a_pause(
-    robot: Robot, bus: Bus, start_bridge: StartBridge, plan: Plan, options: list[str]
-) -> None:
-    bridge = start_bridge("--enable-drive", *options).arms()
-    plan(linear=0.5)
-    drives(robot)
-    bus.publish("ROBUROC4_STOP_CMD", stop_command("operator").encode())
-    until(lambda: bridge.state.stopped, "the robot is stopped")
-    for _ in range(3):
-        bridge.signal(signal.SIGSTOP)
-        time.sleep(0.7)
-        continued_us = now_us()
-        bridge.signal(signal.SIGCONT)
-        time.sleep(0.4)
-        assert robot.tap.moves(continued_us) == []
-
-
 def test_an_overflowing_queue_does_not_drive_on_old_commands(
     robot: Robot, bus: Bus, armed: Bridge
 ) -> None:
@@ -191,22 +112,6 @@ def test_an_overflowing_queue_does_not_drive_on_old_commands(
     # And it is awake.
     bus.publish(DRIVE, drive_command(0.25, lease_us=LEASE_US).encode())
     until(lambda: robot.tap.moves(continued_us), "a new command drives")
-
-
-def test_the_last_of_what_came_while_the_bridge_was_hung_counts(
-    robot: Robot, bus: Bus, armed: Bridge
-) -> None:
-    """The queue is long enough for what comes within a lease: the newest is not lost."""
-    armed.signal(signal.SIGSTOP)
-    for _ in range(150):
-        bus.publish(DRIVE, drive_command(0.5, lease_us=LEASE_US).encode())
-    bus.publish(DRIVE, drive_command(-0.25, lease_us=LEASE_US).encode())
-    armed.signal(signal.SIGCONT)
-    until(robot.tap.moves, "a speed reaches the robot")
-    until(lambda: not robot.tap.commands()[-1].moves, "the lease is over")
-    assert robot.tap.moves()[-1].linear_m_s == -0.25
-    counted = armed.statistics
-    assert counted.accepted_drive + counted.superseded == 151
 
 
 def test_a_flood_of_commands_does_not_delay_a_stop(robot: Robot, bus: Bus, armed: Bridge) -> None:
