@@ -253,6 +253,22 @@ logged() {
     set -e
 }
 
+# progress NAME LOG: print how far a stage is: each second on a terminal, otherwise each minute.
+progress() {
+    progress_s=0
+    while sleep 1 >/dev/null 2>&1 && kill -0 $$ 2>/dev/null; do
+        progress_s=$((progress_s + 1))
+        [ -t 1 ] || [ $((progress_s % 60)) -eq 0 ] || continue
+        progress_step=$(tail -c 2000 "$2" 2>/dev/null | tr '\r' '\n' |
+            grep -oE '[0-9]+/[0-9]+|[0-9]+%' | tail -n 1)
+        if [ -t 1 ]; then
+            printf '       %-18s %4d s  %-12s\r' "$1" "$progress_s" "$progress_step"
+        else
+            printf '       %-18s %4d s  %s\n' "$1" "$progress_s" "$progress_step"
+        fi
+    done
+}
+
 # stage NAME COMMAND...: run it with its output in build/logs/NAME.log; print one line with the
 # result, the duration, and a summary (of ctest, or the last line). A failure ends the script.
 stage() {
@@ -261,7 +277,12 @@ stage() {
     stage_begun=$(date +%s)
     shift
     mkdir -p build/logs
+    progress "$stage_name" "$stage_log" &
+    stage_progress=$!
     logged "$stage_log" "$@"
+    kill "$stage_progress" 2>/dev/null || :
+    wait "$stage_progress" 2>/dev/null || :
+    [ ! -t 1 ] || printf '%60s\r' ''
     stage_word=ok
     [ "$logged_status" -eq 0 ] || stage_word=FAILED
     printf '%-6s %-18s %4d s  %s\n' "$stage_word" "$stage_name" $(($(date +%s) - stage_begun)) \
