@@ -30,6 +30,7 @@
 #define ROBUROC4_SIM_H
 
 #include "roburoc4.h"
+#include "roburoc4_robot_file.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -187,6 +188,9 @@ ROBUROC4_SIM_API roburoc4_result roburoc4_sim_config_init(roburoc4_sim_config *c
  *  one for the same seed. Results as of roburoc4_sim_config_init(). */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_config_family(roburoc4_sim_config *config,
                                                             size_t size, uint64_t seed);
+/** Change what a robot file knows, so that the simulator is that robot. Nothing else changes. */
+ROBUROC4_SIM_API void roburoc4_sim_config_robot_file(roburoc4_sim_config *config,
+                                                     const roburoc4_robot_file *file);
 /** What is wrong with a configuration and how to correct it, as one English sentence; NULL if
  * nothing is. Lives as long as the program. */
 ROBUROC4_SIM_API const char *roburoc4_sim_config_error(const roburoc4_sim_config *config);

@@ -29,6 +29,7 @@ static const char help[] =
     "  --config FILE    read the watchdog from a udpserver.cfg\n"
     "                   ([DifferentialService] Watchdog=100, in cycles of 10 ms), and any\n"
     "                   of the settings below ([Simulator] slip=0.2)\n"
+    "  --robot-file FILE   be the robot of this file, which roburoc4 first-contact writes\n"
     "  --panel          obey lines from standard input, such as 'pad a down' or\n"
     "                   'estop local press'; 'help' lists them, 'quit' ends\n"
     "  --seed N         seed of slip and faults (default 1)\n"
@@ -161,8 +162,25 @@ static bool set_time(server_options *options, const char *option, const char *va
     return true;
 }
 
-static bool read_text(server_options *options, const char *option, const char *path, FILE *file) {
+static bool take_text(server_options *options, const char *option, const char *path,
+                      const char *text, size_t length) {
     char error[160];
+    if (strcmp(option, "--config") == 0) {
+        return sim_config_read(&options->config, text, length, error, sizeof error) >= 0 ||
+               complain(option, path, error);
+    }
+    roburoc4_robot_file file;
+    const char *remedy = NULL;
+    uint32_t line = roburoc4_robot_file_read(&file, text, length, &remedy);
+    if (line != 0) {
+        (void)snprintf(error, sizeof error, "line %u: %s", (unsigned)line, remedy);
+        return complain(option, path, error);
+    }
+    roburoc4_sim_config_robot_file(&options->config, &file);
+    return true;
+}
+
+static bool read_text(server_options *options, const char *option, const char *path, FILE *file) {
     char *text = malloc(MAX_CONFIG_BYTES);
     if (text == NULL) {
         return complain(option, path, "out of memory");
@@ -172,17 +190,15 @@ static bool read_text(server_options *options, const char *option, const char *p
     if (ferror(file) != 0) {
         (void)complain(option, path, "cannot be read; give a text file");
     } else if (length == MAX_CONFIG_BYTES) {
-        (void)complain(option, path, "is larger than 1 MiB; give a udpserver.cfg");
-    } else if (sim_config_read(&options->config, text, length, error, sizeof error) < 0) {
-        (void)complain(option, path, error);
+        (void)complain(option, path, "is larger than 1 MiB; give such a file");
     } else {
-        good = true;
+        good = take_text(options, option, path, text, length);
     }
     free(text);
     return good;
 }
 
-static bool set_config(server_options *options, const char *option, const char *value) {
+static bool set_file(server_options *options, const char *option, const char *value) {
     FILE *file = fopen(value, "rb");
     if (file == NULL) {
         return complain(option, value, "cannot be opened; give the path of a readable file");
@@ -225,9 +241,10 @@ typedef struct option {
 
 static const option with_value[] = {
     {"--bind", set_bind},       {"--port", set_port},      {"--robots", set_robots},
-    {"--config", set_config},   {"--seed", set_seed},      {"--loss", set_share},
+    {"--config", set_file},     {"--seed", set_seed},      {"--loss", set_share},
     {"--duplicate", set_share}, {"--reorder", set_share},  {"--corrupt", set_share},
     {"--delay-ms", set_time},   {"--jitter-ms", set_time}, {"--family", set_family},
+    {"--robot-file", set_file},
 };
 
 static const option *find_option(const char *argument, size_t length) {

@@ -10,6 +10,7 @@
 #include "roburoc4_pump.h"
 
 #include "roburoc4_move.h"
+#include "roburoc4_robot_file.h"
 #include "roburoc4_sim.h"
 
 #define SAME(condition, text) _Static_assert(condition, text "; docs/ABI.md says what may change")

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(sys.argv[1])
-HEADERS = ("codec", "", "move", "udp", "record", "pump", "sim")
+HEADERS = ("codec", "", "move", "robot_file", "udp", "record", "pump", "sim")
 LIVING = ("VERSION", "PROTOCOL_REVISION")  # a later library may have other ones
 COUNTS = ("ROBUROC4_COUNTERS", "ROBUROC4_UDP_COUNTERS")  # or more
 FREE = ("private_", "reserved")  # fields that are not public, or will get another name and type

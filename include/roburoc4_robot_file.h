@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * roburoc4_robot_file.h - what is known about one robot, as a small text file.
+ *
+ * THE FILE
+ *
+ *     [inputs]
+ *     override_index = 8
+ *
+ *     [commands]
+ *     robot_watchdog_ms = 1000   # a comment
+ *
+ * One `name = value` each line; every name stands once, and one that is not known is left out.
+ * Sections ([inputs]) are for the reader's eye. roburoc4 first-contact measures a robot and writes
+ * its file; roburoc4 calibrate adds the scales. docs/first-contact.md explains the names: most are
+ * those of the family of robots in docs/PROTOCOL.md, the others those of roburoc4_config.
+ *
+ *     roburoc4_robot_file known;
+ *     const char *remedy;
+ *     uint32_t line = roburoc4_robot_file_read(&known, text, length, &remedy);
+ *     if (line == 0) {
+ *         roburoc4_robot_file_config(&known, &config);
+ *     }
+ *
+ * CONVENTIONS
+ *
+ *   Those of roburoc4.h. Nothing is allocated; you read and write the file.
+ */
+#ifndef ROBUROC4_ROBOT_FILE_H
+#define ROBUROC4_ROBOT_FILE_H
+
+#include "roburoc4.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** The most names of any version. */
+#define ROBUROC4_ROBOT_FILE_NAMES 128
+/** The longest file that roburoc4_robot_file_write() writes. */
+#define ROBUROC4_ROBOT_FILE_SIZE 6144
+
+/** What is known about a robot (frozen: its size never changes). Fill it with zeros, or by
+ *  roburoc4_robot_file_read(). */
+typedef struct roburoc4_robot_file {
+    uint32_t private_known[ROBUROC4_ROBOT_FILE_NAMES / 32];
+    float private_values[ROBUROC4_ROBOT_FILE_NAMES];
+} roburoc4_robot_file;
+
+/** Read the text of a file. Returns 0; or the number of the first wrong line, and then *remedy says
+ *  what is wrong and what to give instead (it lives as long as the program), and *out is unchanged.
+ *  A text without any name is wrong in line 1. */
+ROBUROC4_API uint32_t roburoc4_robot_file_read(roburoc4_robot_file *out, const char *text,
+                                               size_t length, const char **remedy);
+/** Write the text of a file, without a NUL at its end: its length, or ROBUROC4_ERR_BUFFER. */
+ROBUROC4_API roburoc4_result roburoc4_robot_file_write(const roburoc4_robot_file *file, char *text,
+                                                       size_t capacity);
+/** The name with this index, from 0 on, in the order of the file; NULL beyond the last. */
+ROBUROC4_API const char *roburoc4_robot_file_name(uint32_t index);
+/** The value of a name. ROBUROC4_ERR_INDEX: there is no such name; ROBUROC4_ERR_STATE: it is not
+ *  known of this robot. */
+ROBUROC4_API roburoc4_result roburoc4_robot_file_get(const roburoc4_robot_file *file,
+                                                     const char *name, float *out);
+/** Set the value of a name. ROBUROC4_ERR_INDEX: there is no such name; ROBUROC4_ERR_ARGUMENT: not
+ *  in its range. */
+ROBUROC4_API roburoc4_result roburoc4_robot_file_set(roburoc4_robot_file *file, const char *name,
+                                                     float value);
+/** Change what is known of the robot in a client's configuration: ids of IO card and differential
+ *  service, indexes of inputs, the robot's watchdog, and scales. Nothing else changes. */
+ROBUROC4_API void roburoc4_robot_file_config(const roburoc4_robot_file *file,
+                                             roburoc4_config *config);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A simulator with a robot file is that robot.
+ */
+#include "roburoc4_sim.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <string>
+
+namespace {
+
+roburoc4_sim_config config_of(const std::string &text) {
+    roburoc4_robot_file file;
+    roburoc4_sim_config config;
+    const char *remedy = "";
+    EXPECT_EQ(0U, roburoc4_robot_file_read(&file, text.data(), text.size(), &remedy)) << remedy;
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_config_init(&config, sizeof config));
+    roburoc4_sim_config_robot_file(&config, &file);
+    const char *wrong = roburoc4_sim_config_error(&config);
+    EXPECT_EQ(nullptr, wrong) << wrong;
+    return config;
+}
+
+TEST(RobotFileOfSimulator, IsThatRobot) {
+    const roburoc4_sim_config config = config_of(
+        "differential_id = 300\nrobot_watchdog_ms = 730\nlinear_omega_rad_s = 3.5\n"
+        "dead_time_cycles = 4\npad_keeps_target = 2\ndigital_inputs = 23\noverride_index = 11\n"
+        "scale_angular = 1.25\nmax_linear_m_s = 1.5\n");
+    EXPECT_EQ(300, config.service_ids[ROBUROC4_SERVICE_DIFFERENTIAL]);
+    EXPECT_EQ(73U, config.watchdog_cycles);
+    EXPECT_EQ(3.5F, config.linear_omega_rad_s);
+    EXPECT_EQ(4U, config.dead_time_cycles);
+    EXPECT_EQ(2U, config.pad_keeps_target);
+    EXPECT_EQ(2U, config.input_shift); /* 23 inputs: the manual's [A] is 9 */
+    EXPECT_FLOAT_EQ(0.2F, config.slip);
+    EXPECT_EQ(1.5F, config.max_linear_m_s);
+    EXPECT_EQ(-2.6F, config.min_linear_m_s);
+}
+
+TEST(RobotFileOfSimulator, GivesServicesThatItDoesNotKnowFreeIds) {
+    const roburoc4_sim_config config = config_of("iocard_id = 6\nbattery_id = 2\n");
+    EXPECT_EQ(6, config.service_ids[ROBUROC4_SERVICE_IOCARD]);
+    EXPECT_EQ(2, config.service_ids[ROBUROC4_SERVICE_BATTERY]);
+}
+
+} // namespace
