@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * protocol_doc_test.cpp - the hex in docs/PROTOCOL.md is the hex that the codec is tested on: its
- * fenced blocks ```hex NAME are the vectors of vectors.h, all of them, and there is no other.
+ * fenced blocks ```hex NAME are the vectors of
+ * conformance/telegrams.json, all of them, and there is no other.
  */
 #include <gtest/gtest.h>
 

@@ -4,6 +4,7 @@
 Run by ctest; by hand: python3 -m unittest discover tests/wireshark
 """
 
+import json
 import math
 import random
 import re
@@ -32,41 +33,16 @@ from captures import (
     upper_pdu,
 )
 
-SUPPORT = ROOT / "tests" / "support"
 HEADER = (ROOT / "include" / "roburoc4_codec.h").read_text(encoding="utf-8")
 
 
-def read_vectors() -> dict[str, bytes]:
-    """The bytes of vectors.h by name."""
-    text = (SUPPORT / "vectors.h").read_text(encoding="utf-8")
-    text = text[text.index("vectors[] = {") :]
-    entries = re.findall(r'\{("(?:[^"\\]|\\.)*"(?:\s|,|"(?:[^"\\]|\\.)*")*)\}', text)
-    vectors = {}
-    for entry in entries:
-        fields = [
-            "".join(re.findall(r'"((?:[^"\\]|\\.)*)"', part))
-            for part in re.split(r",\s*(?=\")", re.sub(r'"\s+"', "", entry))
-        ]
-        vectors[fields[0]] = bytes.fromhex(fields[-1].replace(" ", ""))
-    return vectors
+TELEGRAMS = json.loads(
+    (ROOT / "tests" / "conformance" / "telegrams.json").read_text(encoding="utf-8")
+)["telegrams"]
+VECTORS = {entry["name"]: bytes.fromhex(entry["bytes"]) for entry in TELEGRAMS}
+SENT = {entry["name"] for entry in TELEGRAMS if entry["direction"] == "to robot"}
 
-
-VECTORS = read_vectors()
-SENT = {
-    "get",
-    "query-directory",
-    "query-analog-input",
-    "query-analog-output",
-    "query-digital-input",
-    "query-digital-output",
-    "insert",
-    "delete",
-    "replace-localization",
-    "differential-command",
-    "iocard-command",
-}
-
-# The values of each vector, in the manual's order, as the comments of vectors.h have them.
+# The values of each vector by the dissector's names, in the manual's order.
 VALUES: dict[str, dict[str, list[float | str]]] = {
     "get": {"id": [1], "action": [0], "service": [6]},
     "query-directory": {"id": [42], "action": [1], "service": [0], "request.index": [3]},
