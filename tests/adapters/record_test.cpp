@@ -62,12 +62,6 @@ roburoc4_recorder_options options() {
     return options;
 }
 
-roburoc4_recorder_state state_of(roburoc4_recorder *recorder) {
-    roburoc4_recorder_state state;
-    roburoc4_recorder_get_state(recorder, &state);
-    return state;
-}
-
 /* A client's socket connected to a socket of the test, without a client's own traffic: what is
  * received is a number that counts up. */
 class Traffic {
@@ -163,31 +157,6 @@ TEST(Record, EveryDatagramOfBothDirectionsIsInTheFile) {
     EXPECT_EQ(capture.datagrams[0].payload.size(), 4u);
 }
 
-TEST(Record, WhatExistsIsNotOverwritten) {
-    Folder folder;
-    roburoc4_recorder *recorders[3];
-    for (roburoc4_recorder *&recorder : recorders) {
-        recorder = roburoc4_recorder_open((folder / "run.pcapng").c_str(), nullptr, nullptr);
-        ASSERT_NE(recorder, nullptr);
-    }
-    EXPECT_EQ(state_of(recorders[2]).path, folder / "run.3.pcapng");
-    for (roburoc4_recorder *recorder : recorders) {
-        EXPECT_EQ(roburoc4_recorder_close(recorder, nullptr), ROBUROC4_OK);
-    }
-    EXPECT_EQ(folder.files(),
-              (std::vector<std::string>{"run.2.pcapng", "run.3.pcapng", "run.pcapng"}));
-}
-
-TEST(Record, AFolderGetsAFileNamedAfterTheTime) {
-    Folder folder;
-    roburoc4_recorder *recorder = roburoc4_recorder_open(folder.path().c_str(), nullptr, nullptr);
-    ASSERT_NE(recorder, nullptr);
-    EXPECT_EQ(roburoc4_recorder_close(recorder, nullptr), ROBUROC4_OK);
-    ASSERT_EQ(folder.files().size(), 1u);
-    EXPECT_EQ(folder.files()[0].rfind("roburoc4-20", 0), 0u);
-    EXPECT_EQ(folder.files()[0].size(), std::string("roburoc4-20260102T030405Z.pcapng").size());
-}
-
 TEST(Record, WhatCannotBeOpenedIsAnError) {
     Folder folder;
     roburoc4_result result = 0;
@@ -216,132 +185,6 @@ TEST(Record, WhatCannotBeOpenedIsAnError) {
     EXPECT_EQ(roburoc4_recorder_close(nullptr, nullptr), ROBUROC4_OK);
 }
 
-/* A pipe that is not read until a test wants it. */
-class Pipe {
-  public:
-    explicit Pipe(const Folder &folder) : path_(folder / "pipe.pcapng") {
-        EXPECT_EQ(mkfifo(path_.c_str(), 0600), 0);
-        fd_ = open(path_.c_str(), O_RDONLY | O_NONBLOCK);
-        EXPECT_GE(fd_, 0);
-    }
-    Pipe(const Pipe &) = delete;
-    Pipe &operator=(const Pipe &) = delete;
-    ~Pipe() {
-        close(fd_);
-    }
-    const std::string &path() const {
-        return path_;
-    }
-    void fill() {
-        const int fd = open(path_.c_str(), O_WRONLY | O_NONBLOCK);
-        while (write(fd, "", 1) == 1) {
-        }
-        close(fd);
-    }
-    /* Its current contents are appended to the file. */
-    void drain_to(const std::string &file) {
-        std::vector<char> bytes(1 << 16);
-        std::ofstream out(file, std::ios::binary | std::ios::app);
-        ssize_t got;
-        while ((got = read(fd_, bytes.data(), bytes.size())) > 0) {
-            out.write(bytes.data(), got);
-        }
-    }
-
-  private:
-    std::string path_;
-    int fd_;
-};
-
-/* Limits the file size for this process: a full disk for one thread. */
-class FileLimit {
-  public:
-    explicit FileLimit(rlim_t bytes) {
-        getrlimit(RLIMIT_FSIZE, &before_);
-        rlimit limit = before_;
-        limit.rlim_cur = bytes;
-        setrlimit(RLIMIT_FSIZE, &limit);
-    }
-    FileLimit(const FileLimit &) = delete;
-    FileLimit &operator=(const FileLimit &) = delete;
-    ~FileLimit() {
-        lift();
-    }
-    void lift() {
-        setrlimit(RLIMIT_FSIZE, &before_);
-    }
-
-  private:
-    rlimit before_;
-};
-
-roburoc4_recorder *open_small(const std::string &path) {
-    roburoc4_recorder_options wanted = options();
-    wanted.buffer_bytes = 4096;
-    return roburoc4_recorder_open(path.c_str(), &wanted, nullptr);
-}
-
-/* All numbers, except for the gaps that the file counts. */
-void expect_gaps_are_counted(const Capture &capture) {
-    uint64_t next = 0;
-    for (const RecordedDatagram &datagram : capture.datagrams) {
-        next += datagram.drop_count;
-        EXPECT_EQ(Traffic::number_of(datagram), next);
-        next++;
-    }
-}
-
-TEST(Record, WhatASlowDiskDropsIsCountedInTheFile) {
-    Folder folder;
-    Pipe pipe(folder);
-    roburoc4_recorder *recorder = open_small(pipe.path());
-    ASSERT_NE(recorder, nullptr);
-    {
-        Traffic traffic(recorder);
-        traffic.receive(3000); /* 80 bytes each; a pipe holds 64 KiB */
-        EXPECT_GT(state_of(recorder).dropped, 1000u);
-        ASSERT_TRUE(eventually([&] {
-            pipe.drain_to(folder / "file");
-            const uint64_t dropped = state_of(recorder).dropped;
-            traffic.receive(1);
-            return state_of(recorder).dropped == dropped;
-        }));
-    }
-    roburoc4_recorder_state last;
-    EXPECT_EQ(roburoc4_recorder_close(recorder, &last), ROBUROC4_OK);
-    pipe.drain_to(folder / "file");
-    Capture capture = read_capture(folder / "file");
-    EXPECT_FALSE(capture.is_cut);
-    EXPECT_EQ(capture.datagrams.size(), last.recorded);
-    EXPECT_EQ(capture.drop_counts(), last.dropped);
-    EXPECT_EQ(capture.dropped, last.dropped);
-    EXPECT_EQ(capture.received, last.dropped + last.recorded);
-    expect_gaps_are_counted(capture);
-}
-
-TEST(Record, ADiskThatStaysFullLeavesWholeBlocks) {
-    Folder folder;
-    roburoc4_recorder *recorder = open_small(folder / "a");
-    ASSERT_NE(recorder, nullptr);
-    FileLimit limit(10001);
-    Traffic traffic(recorder);
-    uint64_t sent = 0;
-    ASSERT_TRUE(eventually([&] {
-        traffic.receive(10);
-        sent += 10;
-        return state_of(recorder).system_error == EFBIG;
-    }));
-    roburoc4_recorder_state last;
-    EXPECT_EQ(roburoc4_recorder_close(recorder, &last), ROBUROC4_ERR_SYSTEM);
-    EXPECT_EQ(last.system_error, EFBIG);
-    Capture capture = read_capture(folder / "a");
-    EXPECT_FALSE(capture.is_cut);
-    EXPECT_GT(capture.datagrams.size(), 100u);
-    EXPECT_EQ(capture.datagrams.size(), last.recorded);
-    EXPECT_EQ(last.recorded + last.dropped, sent);
-    expect_gaps_are_counted(capture);
-}
-
 TEST(Record, AKilledProcessLeavesWhatItRecorded) {
     Folder folder;
     const pid_t child = fork();
@@ -361,31 +204,6 @@ TEST(Record, AKilledProcessLeavesWhatItRecorded) {
     waitpid(child, nullptr, 0);
     EXPECT_TRUE(complete);
     EXPECT_FALSE(read_capture(folder / "a").is_cut);
-}
-
-TEST(Record, ExitCompletesTheFile) {
-    Folder folder;
-    UdpRobot robot;
-    const std::string address = "127.0.0.1:" + std::to_string(robot.port());
-    const std::string program = beside_this_program("exit_in_mid_drive");
-    const std::string file = folder / "a";
-    const pid_t child = fork();
-    if (child == 0) {
-        setenv("TSAN_OPTIONS", "report_thread_leaks=0", 1); /* exit() leaves threads */
-        execl(program.c_str(), program.c_str(), address.c_str(), file.c_str(), nullptr);
-        _exit(127);
-    }
-    waitpid(child, nullptr, 0);
-    Capture capture = read_capture(folder / "a");
-    EXPECT_TRUE(capture.has_statistics);
-    std::vector<RecordedDatagram> commands;
-    for (const RecordedDatagram &datagram : capture.datagrams) {
-        if (datagram.flags == 2 && datagram.payload[0] == 0xFF) {
-            commands.push_back(datagram);
-        }
-    }
-    ASSERT_GE(commands.size(), 4u); /* a speed and three zeros */
-    EXPECT_EQ(commands.back().payload, (std::vector<uint8_t>{0xFF, 6, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
 }
 
 } // namespace

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * codec_changes_test.cpp - every telegram as it is and with seeded random changes, for every
- * decoder: the fuzzer's harness (verify/fuzz/codec.cpp) demands that what is accepted is encoded to
- * the same bytes again, that what is refused leaves the output alone, and that encoders respect
- * their capacity.
+ * codec_changes_test.cpp - every telegram as it is, in every length and with seeded random
+ * changes, for every decoder: the fuzzer's harness (verify/fuzz/codec.cpp) demands that what is
+ * accepted is encoded to the same bytes again, that what is refused leaves the output alone, and
+ * that encoders respect their capacity.
  */
 #include <gtest/gtest.h>
 
@@ -40,6 +40,24 @@ Bytes changed(Bytes telegram, std::mt19937_64 &random) {
 
 /* For the IO card the harness takes the numbers of analog and digital channels first. */
 const Bytes usual[] = {{9, 0, 0, 0, 22, 0, 0, 0}, {0, 0, 0, 0, 8, 0, 0, 0}};
+
+/* A decoder that accepts too little cannot write back what it read. */
+TEST(Changes, OfALengthNeverReadBeyondTheTelegram) {
+    for (std::uint8_t decoder = 0; decoder < decoders; decoder++) {
+        for (const Vector &vector : vectors) {
+            const Bytes whole = from_hex(vector.hex);
+            for (std::size_t size = 0; size <= whole.size() + 3; size++) {
+                for (const Bytes &counts : {Bytes(), usual[0], usual[1]}) {
+                    Bytes telegram = whole;
+                    telegram.resize(size, 0x5A);
+                    telegram.insert(telegram.begin(), counts.begin(), counts.end());
+                    telegram.insert(telegram.begin(), decoder);
+                    LLVMFuzzerTestOneInput(telegram.data(), telegram.size());
+                }
+            }
+        }
+    }
+}
 
 TEST(Changes, OfATelegramAreWrittenBackAsTheyWereRead) {
     std::mt19937_64 random(1);
