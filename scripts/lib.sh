@@ -152,12 +152,15 @@ heeding() {
     fi
 }
 
-# run_ctest DIR [ARGUMENT...]: more tests than cores, as some only wait.
+# run_ctest DIR [ARGUMENT...]: more tests than cores, as some only wait. A test begins again only where
+# it has measured that the machine stalled.
 run_ctest() {
     tree=$1
     shift
     ctest --test-dir "$tree" -C RelWithDebInfo --parallel $(($(jobs) + 2)) --timeout "$longest_test_s" \
         --output-on-failure --no-tests=error "$@"
+    ctest_again=$(grep -c '^begins again:' "$tree/Testing/Temporary/LastTest.log") || return 0
+    echo "$ctest_again tests began again because this machine stalled"
 }
 
 # run_pytest PYTHON ARGUMENT...; a thread watches the time limit, as tests use signals themselves.
@@ -305,4 +308,5 @@ stage_summary() {
 
 ctest_line() {
     grep 'tests passed' "$1" | tail -n 1
+    grep 'tests began again' "$1" || :
 }

@@ -16,7 +16,6 @@ from pathlib import Path
 import lcm
 import pytest
 import roburoc4_lcm
-from processes import MachineTooBusyError
 from rig import Bridge, Bus, Program, Programs, Robot, until
 from rig.bus import drive_command, now_us
 
@@ -103,9 +102,6 @@ def test_the_lines_of_the_readme_drive(programs: Programs, run: Run, tmp_path: P
     path = ":".join([*map(str, folders), os.environ["PATH"]])
     done = run("setsid", "unshare", "-rn", "bash", "-c", "\n".join(script), PATH=path)
     assert done.ends(120) == 0, done.output
-    late = re.search(r"no recent .* status|its lease ended before it could be read", done.output)
-    if late:
-        raise MachineTooBusyError(late[0])
     events = list(lcm.EventLog(str(tmp_path / "drive.lcmlog"), "r"))
     speeds = [
         roburoc4_lcm.differential_status_t.decode(event.data).current_linear_m_s

@@ -15,12 +15,12 @@ from .strain import MachineTooBusyError, Strain
 strain = Strain()
 
 
-def explained(item: pytest.Item) -> Generator[None, object, object]:
+def explained() -> Generator[None, object, object]:
     """A step of a test, whose failure on a machine that was too busy is reported as that."""
     try:
         return (yield)
     except Exception as error:
-        why = strain.found(getattr(item, "funcargs", {}).get("tmp_path"))
+        why = strain.found()
         if why:
             raise MachineTooBusyError(why) from error
         raise
@@ -29,12 +29,12 @@ def explained(item: pytest.Item) -> Generator[None, object, object]:
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_setup(item: pytest.Item) -> Generator[None, object, object]:
     strain.begin()
-    return (yield from explained(item))
+    return (yield from explained())
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Generator[None, object, object]:
-    return (yield from explained(item))
+    return (yield from explained())
 
 
 @pytest.fixture(scope="session")
