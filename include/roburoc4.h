@@ -527,6 +527,10 @@ ROBUROC4_API roburoc4_result roburoc4_client_host_time(const roburoc4_client *cl
 /* ------------------------------------------------------------------------- private layout --- */
 /* Everything from here on may change with any version, except sizeof(roburoc4_client). */
 
+typedef struct roburoc4_private_timer {
+    uint64_t now_us, due_us;
+} roburoc4_private_timer;
+
 typedef struct roburoc4_private_ask {
     uint16_t target, subject;
     uint8_t action, kind, detail, max_tries;
@@ -542,7 +546,8 @@ typedef struct roburoc4_private_slot {
 typedef struct roburoc4_private_requests {
     uint8_t last_id, fixed_id, id_mode, quiet, announce, single_texts;
     uint16_t slowest_ms;
-    uint64_t quiet_us;
+    uint32_t quiet_span_us, padding;
+    uint64_t quiet_since_us;
     roburoc4_private_slot slots[4];
 } roburoc4_private_requests;
 
@@ -631,7 +636,8 @@ typedef struct roburoc4_private_outputs {
 } roburoc4_private_outputs;
 
 struct roburoc4_client {
-    uint64_t private_now_us, private_idle_until_us;
+    roburoc4_private_timer private_timer;
+    uint64_t private_idle_until_us;
     uint32_t private_size, private_events, private_state;
     roburoc4_config private_config;
     uint32_t private_padding; /* where a uint64_t is aligned to 4 bytes, too */

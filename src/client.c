@@ -8,7 +8,7 @@
 /* The layout of a struct that callers declare is part of the ABI. */
 #define LAYOUT(name, condition) typedef char assert_##name[(condition) ? 1 : -1]
 LAYOUT(slot, sizeof(roburoc4_private_slot) == 24);
-LAYOUT(requests, sizeof(roburoc4_private_requests) == 112);
+LAYOUT(requests, sizeof(roburoc4_private_requests) == 120);
 LAYOUT(service, sizeof(roburoc4_private_service) == 64);
 LAYOUT(link, sizeof(roburoc4_private_link) == 424);
 LAYOUT(drive, sizeof(roburoc4_private_drive) == 144);
@@ -17,10 +17,10 @@ LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 240);
 LAYOUT(values, sizeof(roburoc4_private_values) == 456);
 LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 72);
 LAYOUT(config, sizeof(roburoc4_config) == 88);
-LAYOUT(client, sizeof(roburoc4_client) == 1664);
-LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 120);
-LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 776);
-LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1200);
+LAYOUT(client, sizeof(roburoc4_client) == 1680);
+LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 128);
+LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 792);
+LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1216);
 
 /* The longest wait before a request is repeated while the client is not ready. */
 #define PATIENCE_US (5 * SECOND)
@@ -43,7 +43,7 @@ void roburoc4_lifecycle_enter(client *c, uint32_t state) {
     if (state != ROBUROC4_STATE_READY) {
         c->private_outputs.repeats = 0; /* the IO card may be another now */
     }
-    c->private_discovery.phase_us = c->private_now_us;
+    c->private_discovery.phase_us = c->private_timer.now_us;
 }
 
 void roburoc4_lifecycle_interrupt(client *c, roburoc4_result cause) {
@@ -65,7 +65,7 @@ void roburoc4_lifecycle_relocalize_ends(client *c, roburoc4_result result) {
 
 void roburoc4_lifecycle_forget_services(client *c, uint32_t state) {
     roburoc4_discovery_restart(&c->private_discovery);
-    roburoc4_requests_cancel_all(&c->private_requests, c->private_now_us);
+    roburoc4_requests_cancel_all(&c->private_requests, c->private_timer.now_us);
     roburoc4_link_invalidate(&c->private_link);
     forget_override(c);
     if (c->private_outputs.relocalizing) {
@@ -108,7 +108,7 @@ void roburoc4_lifecycle_clock_fault(client *c, uint64_t now_us) {
     roburoc4_drive_rebase(&c->private_drive, now_us);
     roburoc4_requests_rebase(&c->private_requests, now_us);
     c->private_discovery.doubted = 0; /* copies of its answer are no longer waited for */
-    roburoc4_link_rebase(&c->private_link, c->private_now_us, now_us);
+    roburoc4_link_rebase(&c->private_link, c->private_timer.now_us, now_us);
     c->private_discovery.phase_us = now_us;
     c->private_discovery.probe_us = now_us - SECOND; /* no age is known before the first answer */
     c->private_outputs.sent_us = now_us;
@@ -138,7 +138,7 @@ roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
     if (c->private_size != sizeof *c || c->private_state != ROBUROC4_STATE_IDLE) {
         return ROBUROC4_ERR_STATE;
     }
-    c->private_now_us = now_us;
+    c->private_timer.now_us = now_us;
     memset(&c->private_link, 0, sizeof c->private_link);
     memset(&c->private_discovery, 0, sizeof c->private_discovery);
     memset(&c->private_values, 0, sizeof c->private_values);
@@ -196,14 +196,14 @@ static roburoc4_result poll_outputs(client *c, uint8_t *buffer, size_t capacity)
     roburoc4_private_outputs *o = &c->private_outputs;
     const int32_t *counts = c->private_values.io_counts;
     uint8_t blocks[ROBUROC4_MAX_DIGITAL_OUTPUTS / 8];
-    if (o->repeats == 0 || c->private_now_us - o->sent_us < OUTPUT_PAUSE_US) {
+    if (o->repeats == 0 || !due(&c->private_timer, o->sent_us, OUTPUT_PAUSE_US)) {
         return 0;
     }
     for (uint32_t i = 0; i < sizeof blocks; i++) {
         blocks[i] = (uint8_t)(o->digital >> (8 * i));
     }
     o->repeats--;
-    o->sent_us = c->private_now_us;
+    o->sent_us = c->private_timer.now_us;
     return roburoc4_encode_iocard_command(buffer, capacity,
                                           c->private_discovery.service_ids[ROBUROC4_SERVICE_IOCARD],
                                           o->analog, (size_t)counts[ROBUROC4_IO_ANALOG_OUTPUT],
@@ -211,12 +211,13 @@ static roburoc4_result poll_outputs(client *c, uint8_t *buffer, size_t capacity)
 }
 
 static void tick(client *c) {
-    if (connected(c) && c->private_now_us - c->private_link.last_used_us >= patience_us(c)) {
+    timer *t = &c->private_timer;
+    if (connected(c) && due(t, c->private_link.last_used_us, patience_us(c))) {
         roburoc4_lifecycle_lose(c);
     }
     roburoc4_control_tick(c);
     if (c->private_outputs.relocalizing &&
-        c->private_now_us - c->private_outputs.relocalize_us >= RELOCALIZE_US) {
+        due(t, c->private_outputs.relocalize_us, RELOCALIZE_US)) {
         roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_REPLACE,
                                  ROBUROC4_SERVICE_LOCALIZATION);
         roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_ERR_TIMEOUT);
@@ -226,65 +227,13 @@ static void tick(client *c) {
     }
 }
 
-/** Whichever is earlier: the deadline so far, or when the service's last status becomes stale. */
-static uint64_t stale_deadline(const client *c, uint32_t service, uint64_t deadline) {
-    const roburoc4_private_link *l = &c->private_link;
-    const uint64_t received_us = l->services[STATUS_INDEX(service)].received_us;
-    const uint32_t fresh_us = c->private_config.fresh_ms * MS;
-    const uint64_t age_us = roburoc4_link_age(l, STATUS_INDEX(service), received_us);
-    return earlier(deadline, received_us + (age_us < fresh_us ? fresh_us - age_us : 0));
-}
-
-static uint64_t next_deadline(const client *c) {
-    const discovery *d = &c->private_discovery;
-    if (c->private_state == ROBUROC4_STATE_IDLE) {
-        return UINT64_MAX;
-    }
-    uint64_t deadline = roburoc4_drive_deadline(&c->private_drive, &c->private_config);
-    if (c->private_state == ROBUROC4_STATE_CLOSING) {
-        return deadline;
-    }
-    deadline = earlier(deadline, roburoc4_requests_deadline(&c->private_requests));
-    if (!connected(c) && deadline == UINT64_MAX) {
-        return 0; /* just started or lost: the directory has not been requested yet */
-    }
-    if (connected(c)) {
-        deadline = earlier(deadline, c->private_link.last_used_us + patience_us(c));
-    }
-    if (c->private_state == ROBUROC4_STATE_DISCOVERING && !d->identified) {
-        deadline = earlier(deadline, d->phase_us + IDENTIFY_US);
-    }
-    if (roburoc4_schedule_all_declined(c)) {
-        deadline = earlier(deadline, d->phase_us + SECOND);
-    }
-    if (c->private_state == ROBUROC4_STATE_READY) {
-        deadline = earlier(deadline, roburoc4_schedule_deadline(c));
-        if (roburoc4_requests_free(&c->private_requests, 0)) {
-            deadline = earlier(deadline, d->probe_us + probe_period_us(c));
-        }
-    }
-    if (c->private_outputs.relocalizing) {
-        deadline = earlier(deadline, c->private_outputs.relocalize_us + RELOCALIZE_US);
-    }
-    if (c->private_outputs.repeats > 0) {
-        deadline = earlier(deadline, c->private_outputs.sent_us + OUTPUT_PAUSE_US);
-    }
-    if (c->private_drive.armed) {
-        deadline = stale_deadline(c, ROBUROC4_SERVICE_DIFFERENTIAL, deadline);
-        if (c->private_values.override_known) {
-            deadline = stale_deadline(c, ROBUROC4_SERVICE_IOCARD, deadline);
-        }
-    }
-    return deadline;
-}
-
 /** Everything that may be due, the most urgent first. */
 static roburoc4_result poll_all(client *c, uint8_t *buffer, size_t capacity) {
     float speeds[2];
     roburoc4_result length = 0;
     tick(c);
     if (roburoc4_drive_poll(&c->private_drive, &c->private_config, &c->private_values.limits,
-                            c->private_now_us, speeds, &c->private_events)) {
+                            &c->private_timer, speeds, &c->private_events)) {
         length = roburoc4_encode_differential_command(buffer, capacity, c->private_drive.service,
                                                       speeds[0], speeds[1]);
     } else if (c->private_state == ROBUROC4_STATE_CLOSING) {
@@ -308,22 +257,23 @@ roburoc4_result roburoc4_client_poll_transmit(client *c, uint8_t *buffer, size_t
     if (c->private_state == ROBUROC4_STATE_IDLE) {
         return 0;
     }
-    if (now_us >= c->private_now_us && now_us < c->private_idle_until_us) {
+    if (now_us >= c->private_timer.now_us && now_us < c->private_idle_until_us) {
         see_time(c, now_us);
         return 0; /* nothing changed since this deadline was computed */
     }
     begin_call(c, now_us);
+    c->private_timer.due_us = UINT64_MAX;
     const roburoc4_result length = poll_all(c, buffer, capacity);
     if (length > 0) {
         count(c, ROBUROC4_COUNT_SENT);
-    } else {
-        c->private_idle_until_us = next_deadline(c);
+    } else { /* it asked of everything whether it is due */
+        c->private_idle_until_us = c->private_timer.due_us;
     }
     return length;
 }
 
 uint64_t roburoc4_client_next_deadline(const client *c) {
-    return c->private_idle_until_us > 0 ? c->private_idle_until_us : next_deadline(c);
+    return c->private_state == ROBUROC4_STATE_IDLE ? UINT64_MAX : c->private_idle_until_us;
 }
 
 uint32_t roburoc4_client_take_events(client *c) {

@@ -10,9 +10,9 @@
 
 /* ---- the conditions of driving ---- */
 
-static bool fresh(const client *c, uint32_t service, uint64_t now_us) {
+static bool fresh(const client *c, uint32_t service, timer *t) {
     return roburoc4_link_fresh(&c->private_link, STATUS_INDEX(service),
-                               c->private_config.fresh_ms * MS, now_us);
+                               c->private_config.fresh_ms * MS, t);
 }
 
 /** Whether an input may be the game pad's [A]. Until the services are known, the IO card's
@@ -48,7 +48,7 @@ static roburoc4_result not_fresh(const client *c, uint32_t service, roburoc4_res
 }
 
 /** Why driving is not allowed now, or 0. */
-static roburoc4_result refusal(const client *c, uint64_t now_us) {
+static roburoc4_result refusal(const client *c, timer *t) {
     const roburoc4_private_values *v = &c->private_values;
     const uint32_t options = c->private_config.options;
     if (c->private_state != ROBUROC4_STATE_READY) {
@@ -60,11 +60,11 @@ static roburoc4_result refusal(const client *c, uint64_t now_us) {
     if (!roburoc4_drive_limits_valid(&v->limits)) {
         return ROBUROC4_ERR_LIMITS;
     }
-    if (!fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, now_us)) {
+    if (!fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, t)) {
         return not_fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, ROBUROC4_ERR_STALE_DIFFERENTIAL);
     }
     if ((options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) == 0 || may_have_pad(c)) {
-        if (!fresh(c, ROBUROC4_SERVICE_IOCARD, now_us)) {
+        if (!fresh(c, ROBUROC4_SERVICE_IOCARD, t)) {
             return not_fresh(c, ROBUROC4_SERVICE_IOCARD, ROBUROC4_ERR_STALE_IOCARD);
         }
         if (!v->override_known) {
@@ -83,7 +83,8 @@ static roburoc4_result refusal(const client *c, uint64_t now_us) {
 
 /** Why arming is refused, or 0. */
 static roburoc4_result arming_refusal(const client *c, uint64_t now_us) {
-    const roburoc4_result why = refusal(c, now_us);
+    timer at = {now_us, UINT64_MAX};
+    const roburoc4_result why = refusal(c, &at);
     const drive *d = &c->private_drive;
     return why >= 0 && !d->armed && d->moving ? ROBUROC4_ERR_MOVING : why;
 }
@@ -95,17 +96,19 @@ int32_t roburoc4_refusal_may_pass(roburoc4_result refusal) {
 }
 
 void roburoc4_control_watch_arming(client *c) {
-    const bool armable = !c->private_drive.armed && arming_refusal(c, c->private_now_us) >= 0;
+    const bool armable = !c->private_drive.armed && arming_refusal(c, c->private_timer.now_us) >= 0;
     raise_event(c, armable && !c->private_values.armable ? ROBUROC4_EVENT_ARMABLE : 0);
     c->private_values.armable = armable;
 }
 
 void roburoc4_control_tick(client *c) {
+    timer *t = &c->private_timer;
+    timer unarmed = *t; /* whether its statuses become stale is asked when it is to be armed */
     if (c->private_requests.fixed_id) { /* an answer does not prove when its request arrived */
-        roburoc4_drive_heard(&c->private_drive, c->private_now_us);
+        roburoc4_drive_heard(&c->private_drive, t->now_us);
     }
-    roburoc4_drive_tick(&c->private_drive, &c->private_config, refusal(c, c->private_now_us),
-                        c->private_now_us, &c->private_events);
+    roburoc4_drive_tick(&c->private_drive, &c->private_config,
+                        refusal(c, c->private_drive.armed ? t : &unarmed), t, &c->private_events);
     roburoc4_control_watch_arming(c);
 }
 

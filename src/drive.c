@@ -175,8 +175,8 @@ roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lea
     return ROBUROC4_OK;
 }
 
-static bool lease_over(const drive *d, uint64_t now_us) {
-    return d->lease_active && now_us - d->granted_us >= d->lease_us;
+static bool lease_over(const drive *d, timer *t) {
+    return d->lease_active && due(t, d->granted_us, d->lease_us);
 }
 
 void roburoc4_drive_heard(drive *d, uint64_t sent_us) {
@@ -189,16 +189,17 @@ static uint32_t uplink_limit_us(const roburoc4_config *config) {
     return UPLINK_US + config->drive_period_ms * MS;
 }
 
-void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_result refusal,
-                         uint64_t now_us, uint32_t *events) {
-    if (lease_over(d, now_us)) {
+void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_result refusal, timer *t,
+                         uint32_t *events) {
+    if (lease_over(d, t)) {
         end_lease(d);
         d->lapsed = 1;
         *events |= ROBUROC4_EVENT_LEASE_OVER;
     }
-    if (d->lapsed && now_us - d->granted_us >= d->lease_us + config->lapse_disarm_ms * MS) {
+    if (d->lapsed && d->armed &&
+        due(t, d->granted_us, d->lease_us + config->lapse_disarm_ms * MS)) {
         refusal = ROBUROC4_ERR_LAPSED;
-    } else if (refusal >= 0 && d->lease_active && now_us - d->heard_us >= uplink_limit_us(config)) {
+    } else if (refusal >= 0 && d->lease_active && due(t, d->heard_us, uplink_limit_us(config))) {
         refusal = ROBUROC4_ERR_UPLINK;
     }
     if (refusal < 0 && d->armed) {
@@ -281,9 +282,9 @@ static void expect_echo(drive *d, const float *speeds, uint64_t now_us) {
     }
 }
 
-static bool stop_sequence_over(const drive *d, const roburoc4_config *config, uint64_t now_us) {
+static bool stop_sequence_over(const drive *d, const roburoc4_config *config, timer *t) {
     return d->zeros_sent >= STOP_ZEROS &&
-           (d->confirmed || now_us - d->stop_us >= config->robot_watchdog_ms * MS);
+           (d->confirmed || due(t, d->stop_us, config->robot_watchdog_ms * MS));
 }
 
 /** The time until the next command. The first zero of a stop sequence is sent at once; a short
@@ -302,12 +303,27 @@ static uint32_t pause_us(const drive *d, const roburoc4_config *config) {
     return d->lease_us / 2 < period_us ? d->lease_us / 2 : period_us;
 }
 
-static bool poll_stop_sequence(drive *d, const roburoc4_config *config, uint64_t now_us) {
-    if (now_us - d->sent_us < pause_us(d, config)) {
+static void end_stop_sequence(drive *d, uint64_t now_us, uint32_t *events) {
+    d->stopping = 0;
+    if (d->confirmed) {
+        d->outcome = ROBUROC4_STOP_CONFIRMED;
+    } else if (d->overridden) {
+        d->outcome = ROBUROC4_STOP_OVERRIDDEN;
+    }
+    if (d->confirmed && d->unconfirmed) {
+        d->unconfirmed = 0;
+        d->envelope_us = now_us;
+    }
+    *events |= d->confirmed ? ROBUROC4_EVENT_STOPPED : ROBUROC4_EVENT_STOP_UNCONFIRMED;
+}
+
+/** Whether the next zero must be sent now. */
+static bool zero_due(drive *d, const roburoc4_config *config, timer *t) {
+    if (!due(t, d->sent_us, pause_us(d, config))) {
         return false;
     }
     if (d->zeros_sent == 0) {
-        d->stop_us = now_us;
+        d->stop_us = t->now_us;
     }
     if (d->zeros_sent < STOP_ZEROS) {
         d->zeros_sent++;
@@ -315,64 +331,40 @@ static bool poll_stop_sequence(drive *d, const roburoc4_config *config, uint64_t
     return true;
 }
 
-bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
-                         const roburoc4_differential_properties *limits, uint64_t now_us,
-                         float *speeds, uint32_t *events) {
-    memset(speeds, 0, sizeof d->sent);
-    if (d->stopping && stop_sequence_over(d, config, now_us)) {
-        d->stopping = 0;
-        if (d->confirmed) {
-            d->outcome = ROBUROC4_STOP_CONFIRMED;
-        } else if (d->overridden) {
-            d->outcome = ROBUROC4_STOP_OVERRIDDEN;
-        }
-        if (d->confirmed && d->unconfirmed) {
-            d->unconfirmed = 0;
-            d->envelope_us = now_us;
-        }
-        *events |= d->confirmed ? ROBUROC4_EVENT_STOPPED : ROBUROC4_EVENT_STOP_UNCONFIRMED;
-    }
-    if (d->stopping) {
-        if (!poll_stop_sequence(d, config, now_us)) {
-            return false;
-        }
-    } else {
-        if (!d->known || !d->armed || !d->lease_active || lease_over(d, now_us) ||
-            now_us - d->sent_us < pause_us(d, config)) {
-            return false;
-        }
-        shape(d, config, limits, speeds);
-        d->changed = 0;
-        if (!is_zero(speeds[LINEAR]) || !is_zero(speeds[ANGULAR])) {
-            d->nonzero_sent = 1;
-            d->unconfirmed = 1;
-        }
-        expect_echo(d, speeds, now_us);
-    }
-    d->sent_us = now_us;
-    memcpy(d->sent, speeds, sizeof d->sent);
-    age_envelope(d, config->robot_watchdog_ms * MS, now_us);
-    widen_envelope(d);
-    return true;
+/** Whether a speed must be sent now: only under a lease of an armed client. */
+static bool speed_due(const drive *d, const roburoc4_config *config, timer *t) {
+    return d->known && d->armed && d->lease_active && !lease_over(d, t) &&
+           due(t, d->sent_us, pause_us(d, config));
 }
 
-uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) {
-    uint64_t deadline = UINT64_MAX;
-    if (d->stopping || d->lease_active) {
-        deadline = d->sent_us + pause_us(d, config);
+static void note_speeds(drive *d, const float *speeds, uint64_t now_us) {
+    d->changed = 0;
+    if (!is_zero(speeds[LINEAR]) || !is_zero(speeds[ANGULAR])) {
+        d->nonzero_sent = 1;
+        d->unconfirmed = 1;
     }
-    if (d->stopping && d->zeros_sent >= STOP_ZEROS) {
-        deadline =
-            d->confirmed ? 0 : earlier(deadline, d->stop_us + config->robot_watchdog_ms * MS);
+    expect_echo(d, speeds, now_us);
+}
+
+bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
+                         const roburoc4_differential_properties *limits, timer *t, float *speeds,
+                         uint32_t *events) {
+    memset(speeds, 0, sizeof d->sent);
+    if (d->stopping && stop_sequence_over(d, config, t)) {
+        end_stop_sequence(d, t->now_us, events);
     }
-    if (d->lease_active) {
-        deadline = earlier(deadline, d->granted_us + d->lease_us);
-        deadline = earlier(deadline, d->heard_us + uplink_limit_us(config));
+    if (d->stopping ? !zero_due(d, config, t) : !speed_due(d, config, t)) {
+        return false;
     }
-    if (d->lapsed && d->armed) {
-        deadline = earlier(deadline, d->granted_us + d->lease_us + config->lapse_disarm_ms * MS);
+    if (!d->stopping) {
+        shape(d, config, limits, speeds);
+        note_speeds(d, speeds, t->now_us);
     }
-    return deadline;
+    d->sent_us = t->now_us;
+    memcpy(d->sent, speeds, sizeof d->sent);
+    age_envelope(d, config->robot_watchdog_ms * MS, t->now_us);
+    widen_envelope(d);
+    return true;
 }
 
 /* ---- what the robot reports ---- */

@@ -33,6 +33,27 @@ typedef roburoc4_private_values values;
 #define STATUS_SERVICES 5
 #define STATUS_INDEX(service) ((service)-ROBUROC4_SERVICE_IOCARD)
 
+/* ---- time ---- */
+
+/** The time of the current call, and when the first of the things will be due of which this poll
+ * asked. A poll that sends nothing has asked of everything, so that is the client's deadline. */
+typedef roburoc4_private_timer timer;
+
+/** Whether so much time has passed; if not, it will be due when it has. */
+static inline bool reached(timer *t, uint64_t passed_us, uint32_t span_us) {
+    if (passed_us >= span_us) {
+        return true;
+    }
+    const uint64_t at_us = t->now_us + (span_us - passed_us);
+    t->due_us = at_us < t->due_us ? at_us : t->due_us;
+    return false;
+}
+
+/** Whether something is due this long after that. A clock that went back makes everything due. */
+static inline bool due(timer *t, uint64_t since_us, uint32_t span_us) {
+    return reached(t, t->now_us - since_us, span_us);
+}
+
 /** How many inputs of a role's kind a client stores. */
 static inline int32_t roburoc4_role_capacity(uint32_t role) {
     return role == ROBUROC4_ROLE_BATTERY_V ? ROBUROC4_MAX_ANALOG_INPUTS
@@ -74,13 +95,12 @@ bool roburoc4_requests_begin(requests *r, const ask *a);
 void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind);
 /** The next request that must be sent or repeated now, or NULL. If its tries are used up it is
  * closed and stored in *given_up instead. */
-slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round_trip_us,
-                            uint64_t now_us, slot **given_up);
+slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round_trip_us, timer *t,
+                            slot **given_up);
 /** The open request to which this answer (at least 5 bytes) or error telegram (at least 1) belongs,
  * or NULL. */
 slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint64_t now_us);
 void roburoc4_requests_close(requests *r, slot *s, uint64_t now_us);
-uint64_t roburoc4_requests_deadline(const requests *r);
 /** Texts (and in fixed-id mode all requests) wait until no answer to this one can still arrive:
  *  answers to its other tries may take as long as this one took. Without one they wait as after an
  *  error that does not name its request. */
@@ -116,7 +136,7 @@ void roburoc4_link_round_trip(roburoc4_private_link *l, uint64_t sent_us, uint64
 uint64_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint64_t now_us);
 /** Whether the last status is certainly younger than `limit_us`. */
 bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us,
-                         uint64_t now_us);
+                         timer *t);
 /** The clock went back, from then to now. */
 void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t before_us, uint64_t now_us);
 
@@ -147,20 +167,18 @@ void roburoc4_drive_override(drive *d, bool overridden);
 void roburoc4_drive_heard(drive *d, uint64_t sent_us);
 /** Advance the time: end an expired lease, and disarm if `refusal` is set, or for a reason of the
  *  drive state machine's own. */
-void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_result refusal,
-                         uint64_t now_us, uint32_t *events);
+void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_result refusal, timer *t,
+                         uint32_t *events);
 /** Whether a speed command must be sent now, and its speeds. */
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
-                         const roburoc4_differential_properties *limits, uint64_t now_us,
-                         float *speeds, uint32_t *events);
+                         const roburoc4_differential_properties *limits, timer *t, float *speeds,
+                         uint32_t *events);
 void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
                            const roburoc4_differential_status *status, bool overridden,
                            uint64_t age_us, uint64_t now_us, uint32_t *events);
 /** The differential service has this id and its properties are known, or (known is false) it cannot
  * be driven: the old id still receives a pending stop sequence, another id nothing. */
 void roburoc4_drive_service(drive *d, bool known, uint16_t id);
-/** When poll or tick must be called next. */
-uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config);
 /** After a clock fault: a stop sequence continues by count, everything else is due. */
 void roburoc4_drive_rebase(drive *d, uint64_t now_us);
 
@@ -275,10 +293,6 @@ static inline uint32_t at_most(uint32_t value, uint32_t limit) {
     return value < limit ? value : limit;
 }
 
-static inline uint64_t earlier(uint64_t a_us, uint64_t b_us) {
-    return a_us < b_us ? a_us : b_us;
-}
-
 /** As many bits as the count says, at most 64, from the lowest. */
 static inline uint64_t lowest_bits(uint32_t count) {
     return count < 64 ? ((uint64_t)1 << count) - 1 : UINT64_MAX;
@@ -344,14 +358,14 @@ void roburoc4_lifecycle_clock_fault(roburoc4_client *c, uint64_t now_us);
 /* Longer pauses between two calls are noted. */
 #define PAUSE_US (100 * MS)
 static inline void see_time(roburoc4_client *c, uint64_t now_us) {
-    if (now_us - c->private_now_us >= PAUSE_US) {
-        if (now_us < c->private_now_us) {
+    if (now_us - c->private_timer.now_us >= PAUSE_US) {
+        if (now_us < c->private_timer.now_us) {
             roburoc4_lifecycle_clock_fault(c, now_us);
         } else {
-            roburoc4_link_pause(&c->private_link, now_us - c->private_now_us);
+            roburoc4_link_pause(&c->private_link, now_us - c->private_timer.now_us);
         }
     }
-    c->private_now_us = now_us;
+    c->private_timer.now_us = now_us;
 }
 /** Every public call with a time that may change something begins with this. */
 static inline void begin_call(roburoc4_client *c, uint64_t now_us) {
@@ -372,11 +386,6 @@ void roburoc4_control_watch_arming(roburoc4_client *c);
 void roburoc4_schedule_failed(roburoc4_client *c, const slot *s, roburoc4_result why);
 /** Subscribe again to services that fell silent. */
 void roburoc4_schedule_renew_silent(roburoc4_client *c);
-/** When the first of them will have been silent for long enough. */
-uint64_t roburoc4_schedule_deadline(const roburoc4_client *c);
-/** Whether the robot refused every subscription: a second after phase_us, when it refused the last
- * one, all are requested again. */
-bool roburoc4_schedule_all_declined(const roburoc4_client *c);
 /** Remember that the robot moved after a pose was given. */
 void roburoc4_schedule_watch_pose(roburoc4_client *c);
 /** Encode the next request that is due: its length, or 0. */

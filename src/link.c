@@ -379,9 +379,9 @@ uint64_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint6
 }
 
 bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us,
-                         uint64_t now_us) {
-    const service *s = &l->services[index];
-    return s->fresh && roburoc4_link_age(l, index, now_us) < limit_us;
+                         timer *t) {
+    return l->services[index].fresh &&
+           !reached(t, roburoc4_link_age(l, index, t->now_us), limit_us);
 }
 
 void roburoc4_link_invalidate(roburoc4_private_link *l) {

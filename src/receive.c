@@ -37,7 +37,7 @@ static roburoc4_result take_iocard(client *c, const uint8_t *data, size_t size) 
     if (result >= 0 && memcmp(c->private_values.io_counts, counts, sizeof counts) != 0) {
         memcpy(c->private_values.io_counts, counts, sizeof counts);
         roburoc4_discovery_forget_inputs(d);
-        roburoc4_requests_cancel_texts(&c->private_requests, LIST_DIRECTORY, c->private_now_us);
+        roburoc4_requests_cancel_texts(&c->private_requests, LIST_DIRECTORY, c->private_timer.now_us);
         forget_override(c);
         roburoc4_lifecycle_forget_outputs(c); /* they belong to another card */
         c->private_events |= ROBUROC4_EVENT_PROPERTIES;
@@ -128,7 +128,7 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
     roburoc4_private_link *l = &c->private_link;
     const uint64_t floor_us = l->floor_us;
     const verdict age = roburoc4_link_status(l, &l->services[STATUS_INDEX(service)], robot_cycles,
-                                             c->private_now_us);
+                                             c->private_timer.now_us);
     if (age != VERDICT_NEW) {
         if (age == VERDICT_REBOOT) {
             forget_override(c);
@@ -246,8 +246,8 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     roburoc4_drive_status(
         d, &c->private_follow, &c->private_config, &v->differential, v->overridden,
         roburoc4_link_age(&c->private_link, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
-                          c->private_now_us),
-        c->private_now_us, &c->private_events);
+                          c->private_timer.now_us),
+        c->private_timer.now_us, &c->private_events);
     if (d->stopping || d->armed != armed) {
         wake(c);
     }
@@ -307,7 +307,7 @@ static void overhear(client *c, const uint8_t *data) {
     const discovery *d = &c->private_discovery;
     if (c->private_state == ROBUROC4_STATE_DISCOVERING && d->identified &&
         service_with_id(d, d->listed, load_u16(data + 1)) != 0) {
-        roburoc4_link_overhear(&c->private_link, load_u64(data + 3), c->private_now_us);
+        roburoc4_link_overhear(&c->private_link, load_u64(data + 3), c->private_timer.now_us);
     }
 }
 
@@ -415,7 +415,7 @@ static bool measures_round_trip(const client *c, const slot *s, uint8_t id) {
     return !c->private_requests.fixed_id ||
            (s->tries == 1 && s->ask.action == ROBUROC4_ACTION_GET &&
             c->private_state == ROBUROC4_STATE_READY &&
-            c->private_now_us - c->private_discovery.phase_us >= LATE_ANSWER_US);
+            c->private_timer.now_us - c->private_discovery.phase_us >= LATE_ANSWER_US);
 }
 
 /** An answer to no open request while a text is doubted. If it is about another kind of text, the
@@ -441,7 +441,7 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
         return ROBUROC4_ERR_SHORT;
     }
     const bool fixed_id = c->private_requests.fixed_id;
-    slot *s = roburoc4_requests_match(&c->private_requests, data, size, c->private_now_us);
+    slot *s = roburoc4_requests_match(&c->private_requests, data, size, c->private_timer.now_us);
     if (fixed_id != c->private_requests.fixed_id) {
         forget_override(c); /* other texts are believed now */
         if (fixed_id) {
@@ -455,14 +455,14 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
     const slot request = *s;
     roburoc4_drive_heard(&c->private_drive, s->sent_us);
     if (measures_round_trip(c, s, data[0])) {
-        roburoc4_link_round_trip(&c->private_link, s->sent_us, c->private_now_us);
+        roburoc4_link_round_trip(&c->private_link, s->sent_us, c->private_timer.now_us);
     }
     if (bad && s->ask.max_tries == REQUEST_FOREVER) {
         count(c, ROBUROC4_COUNT_REFUSED);
         return ROBUROC4_OK; /* without a directory there is no robot: the request stays open and is
                                repeated */
     }
-    roburoc4_requests_close(&c->private_requests, s, c->private_now_us);
+    roburoc4_requests_close(&c->private_requests, s, c->private_timer.now_us);
     if (c->private_requests.announce) {
         c->private_requests.announce = 0;
         raise_event(c, ROBUROC4_EVENT_FIXED_ID);

@@ -172,8 +172,8 @@ static uint32_t retry_us(uint32_t first_us, uint32_t doublings) {
     return at_most(doubled_us, MAX_WAIT_US);
 }
 
-/** The wait after this many tries. */
-static uint32_t wait_us(const slot *s, uint32_t longest_us, uint32_t round_trip_us) {
+/** The wait where answers name their request. */
+static uint32_t usual_wait_us(const slot *s, uint32_t longest_us, uint32_t round_trip_us) {
     if (round_trip_us == 0 || round_trip_us >= longest_us / 4 ||
         s->ask.max_tries == REQUEST_FOREVER) {
         return retry_us(longest_us, s->tries);
@@ -211,45 +211,62 @@ static uint32_t slower(uint32_t longest_us, const requests *r) {
     return twice_us > longest_us ? twice_us : longest_us;
 }
 
-slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round_trip_us,
-                            uint64_t now_us, slot **given_up) {
-    const uint32_t longest_us = first_retry_ms * MS;
-    *given_up = NULL;
-    r->quiet = now_us < r->quiet_us ? r->quiet : QUIET_NOTHING;
+/** The first open request whose wait has ended, or NULL. */
+static slot *first_due(requests *r, timer *t) {
     for (uint32_t i = 0; i < SLOTS; i++) {
-        slot *s = &r->slots[i];
-        const uint64_t elapsed_us = now_us - s->sent_us;
-        if (!s->open || elapsed_us < s->wait_us) {
-            continue;
+        if (r->slots[i].open && due(t, r->slots[i].sent_us, r->slots[i].wait_us)) {
+            return &r->slots[i];
         }
-        const uint32_t end_us = longest_try_us(s, longest_us);
-        if (s->ask.max_tries != REQUEST_FOREVER && s->tries >= s->ask.max_tries &&
-            elapsed_us >= end_us) {
-            s->open = 0;
-            *given_up = s;
-            if (texts_are_doubtful(r) && is_text(s)) {
-                roburoc4_requests_be_quiet(r, NULL, now_us);
-            }
-            return NULL;
-        }
-        if (!r->fixed_id && r->id_mode == ANSWERED_MANUAL_ID && s->tries >= FIXED_AFTER) {
-            s = go_to_fixed_id(r, s, now_us); /* only 0x01 was answered so far */
-            if (s == NULL) {
-                return NULL;
-            }
-        }
-        const bool rare = texts_are_doubtful(r) && is_text(s);
-        begin_try(r, s,
-                  rare          ? retry_us(PATIENCE * longest_us, s->tries)
-                  : r->fixed_id ? retry_us(slower(longest_us, r), s->tries)
-                                : wait_us(s, longest_us, round_trip_us),
-                  now_us);
-        if (now_us - s->sent_us < end_us) {
-            s->wait_us = at_most(s->wait_us, end_us);
-        }
-        return s;
     }
     return NULL;
+}
+
+/** How long to wait for an answer to the next try. */
+static uint32_t wait_us(const requests *r, const slot *s, uint32_t longest_us,
+                        uint32_t round_trip_us) {
+    if (texts_are_doubtful(r) && is_text(s)) {
+        return retry_us(PATIENCE * longest_us, s->tries);
+    }
+    return r->fixed_id ? retry_us(slower(longest_us, r), s->tries)
+                       : usual_wait_us(s, longest_us, round_trip_us);
+}
+
+static bool tries_used_up(const slot *s, uint32_t end_us, uint64_t now_us) {
+    return s->ask.max_tries != REQUEST_FOREVER && s->tries >= s->ask.max_tries &&
+           now_us - s->sent_us >= end_us;
+}
+
+slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round_trip_us, timer *t,
+                            slot **given_up) {
+    const uint32_t longest_us = first_retry_ms * MS;
+    *given_up = NULL;
+    if (r->quiet && due(t, r->quiet_since_us, r->quiet_span_us)) {
+        r->quiet = QUIET_NOTHING;
+    }
+    slot *s = first_due(r, t);
+    if (s == NULL) {
+        return NULL;
+    }
+    const uint32_t end_us = longest_try_us(s, longest_us);
+    if (tries_used_up(s, end_us, t->now_us)) {
+        s->open = 0;
+        *given_up = s;
+        if (texts_are_doubtful(r) && is_text(s)) {
+            roburoc4_requests_be_quiet(r, NULL, t->now_us);
+        }
+        return NULL;
+    }
+    if (!r->fixed_id && r->id_mode == ANSWERED_MANUAL_ID && s->tries >= FIXED_AFTER) {
+        s = go_to_fixed_id(r, s, t->now_us); /* only 0x01 was answered so far */
+        if (s == NULL) {
+            return NULL;
+        }
+    }
+    begin_try(r, s, wait_us(r, s, longest_us, round_trip_us), t->now_us);
+    if (t->now_us - s->sent_us < end_us) {
+        s->wait_us = at_most(s->wait_us, end_us);
+    }
+    return s;
 }
 
 /** Whether an error telegram, which may be cut short, matches this request. */
@@ -277,8 +294,13 @@ static bool only_manual_id(slot *s) {
 }
 
 static void wait_for_copies(requests *r, uint8_t what, uint32_t wait_us, uint64_t now_us) {
-    const uint64_t until_us = now_us + wait_us;
-    r->quiet_us = r->quiet && r->quiet_us > until_us ? r->quiet_us : until_us;
+    const uint64_t passed_us = now_us - r->quiet_since_us;
+    const bool longer = r->quiet && passed_us < r->quiet_span_us &&
+                        r->quiet_span_us - (uint32_t)passed_us > wait_us;
+    if (!longer) {
+        r->quiet_since_us = now_us;
+        r->quiet_span_us = wait_us;
+    }
     r->quiet = r->quiet > what ? r->quiet : what;
 }
 
@@ -381,17 +403,6 @@ void roburoc4_requests_close(requests *r, slot *s, uint64_t now_us) {
     } else if (s->tries > 1) {
         roburoc4_requests_be_quiet(r, s, now_us);
     }
-}
-
-uint64_t roburoc4_requests_deadline(const requests *r) {
-    uint64_t deadline = UINT64_MAX;
-    for (uint32_t i = 0; i < SLOTS; i++) {
-        const slot *s = &r->slots[i];
-        if (s->open) {
-            deadline = earlier(deadline, s->sent_us + s->wait_us);
-        }
-    }
-    return r->quiet ? earlier(deadline, r->quiet_us) : deadline;
 }
 
 void roburoc4_requests_rebase(requests *r, uint64_t now_us) {

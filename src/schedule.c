@@ -53,7 +53,8 @@ static uint32_t subscriptions_due(const client *c) {
     return d->wanted & d->listed & readable & ~(uint32_t)(d->acked | d->declined);
 }
 
-bool roburoc4_schedule_all_declined(const client *c) {
+/** Whether the robot refused every subscription. */
+static bool all_declined(const client *c) {
     const discovery *d = &c->private_discovery;
     return c->private_state == ROBUROC4_STATE_SUBSCRIBING && subscriptions_due(c) == 0 &&
            (d->declined & d->wanted & d->listed) != 0 && (d->acked & d->wanted) == 0;
@@ -65,7 +66,7 @@ static bool open_first_insert(client *c) {
         return false;
     }
     c->private_discovery.inserted |= service_bit(service);
-    c->private_link.services[STATUS_INDEX(service)].inserted_us = c->private_now_us;
+    c->private_link.services[STATUS_INDEX(service)].inserted_us = c->private_timer.now_us;
     return true;
 }
 
@@ -85,10 +86,10 @@ static bool open_text(client *c, text_choice choice) {
  * a changed directory, and repeats what was refused. Then a missing text is requested. */
 static bool open_probe(client *c) {
     discovery *d = &c->private_discovery;
-    if (c->private_now_us - d->probe_us < probe_period_us(c)) {
+    if (!due(&c->private_timer, d->probe_us, probe_period_us(c))) {
         return false;
     }
-    d->probe_us = c->private_now_us;
+    d->probe_us = c->private_timer.now_us;
     if (!c->private_drive.lease_active) {
         roburoc4_discovery_ask_again(d, c->private_values.io_counts);
     }
@@ -98,7 +99,7 @@ static bool open_probe(client *c) {
             roburoc4_discovery_inputs_passed(d, c->private_values.io_counts)) {
             roburoc4_discovery_forget_inputs(d);
             /* every answer may have been matched to the request after its own */
-            roburoc4_requests_be_quiet(&c->private_requests, NULL, c->private_now_us);
+            roburoc4_requests_be_quiet(&c->private_requests, NULL, c->private_timer.now_us);
         }
     }
     do {
@@ -113,36 +114,26 @@ static bool heard(const client *c, uint32_t i) {
     return s->fresh && s->received_us > s->inserted_us;
 }
 
-/** When a service has been silent for long enough to subscribe to it again. */
-static uint64_t renewal_us(const client *c, uint32_t i) {
+/** Whether a service has been silent for long enough to subscribe to it again. */
+static bool renewal_due(client *c, uint32_t i) {
     const discovery *d = &c->private_discovery;
     const roburoc4_private_service *s = &c->private_link.services[i];
-    if ((d->acked & d->wanted & service_bit(i + FIRST_STATUS_SERVICE)) == 0) {
-        return UINT64_MAX;
-    }
-    return (heard(c, i) ? s->received_us : s->inserted_us) + SECOND +
-           5U * (uint32_t)ROBUROC4_CYCLE_US * s->asked_cycles;
+    return (d->acked & d->wanted & service_bit(i + FIRST_STATUS_SERVICE)) != 0 &&
+           due(&c->private_timer, heard(c, i) ? s->received_us : s->inserted_us,
+               SECOND + 5U * (uint32_t)ROBUROC4_CYCLE_US * s->asked_cycles);
 }
 
 void roburoc4_schedule_renew_silent(client *c) {
     discovery *d = &c->private_discovery;
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         const uint8_t bit = service_bit(i + FIRST_STATUS_SERVICE);
-        if (c->private_now_us >= renewal_us(c, i)) {
+        if (renewal_due(c, i)) {
             d->acked &= (uint8_t)~bit;
         }
         if (heard(c, i)) {
             d->denied &= (uint8_t)~bit; /* refused, but sent all the same */
         }
     }
-}
-
-uint64_t roburoc4_schedule_deadline(const client *c) {
-    uint64_t deadline = UINT64_MAX;
-    for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
-        deadline = earlier(deadline, renewal_us(c, i));
-    }
-    return deadline;
 }
 
 void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
@@ -170,7 +161,7 @@ void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
         d->declined |= service_bit(s->ask.kind);
         d->denied |= service_bit(s->ask.kind);
         if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
-            d->phase_us = c->private_now_us; /* for all_declined(): meanwhile texts are read */
+            d->phase_us = c->private_timer.now_us; /* meanwhile texts are read */
         }
         break;
     case ROBUROC4_ACTION_DELETE:
@@ -211,7 +202,8 @@ static void advance(client *c) {
     discovery *d = &c->private_discovery;
     const int32_t *io_counts = c->private_values.io_counts;
     if (c->private_state == ROBUROC4_STATE_DISCOVERING && !d->identified &&
-        (roburoc4_discovery_services_passed(d) || c->private_now_us - d->phase_us >= IDENTIFY_US)) {
+        (roburoc4_discovery_services_passed(d) ||
+         due(&c->private_timer, d->phase_us, IDENTIFY_US))) {
         roburoc4_discovery_identify(d, &c->private_config);
         roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_QUERY,
                                  ROBUROC4_SERVICE_DIRECTORY);
@@ -229,13 +221,13 @@ static void advance(client *c) {
         }
         roburoc4_lifecycle_enter(c, ROBUROC4_STATE_SUBSCRIBING);
     }
-    if (roburoc4_schedule_all_declined(c)) { /* not ready: there is no data */
-        if (c->private_now_us - d->phase_us >= SECOND) {
+    if (all_declined(c)) { /* not ready: there is no data */
+        if (due(&c->private_timer, d->phase_us, SECOND)) {
             d->declined = 0;
             open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, PROBE_TRIES);
         }
     } else if (c->private_state == ROBUROC4_STATE_SUBSCRIBING && subscriptions_due(c) == 0) {
-        d->probe_us = c->private_now_us;
+        d->probe_us = c->private_timer.now_us;
         roburoc4_lifecycle_enter(c, ROBUROC4_STATE_READY);
     }
     if (c->private_state == ROBUROC4_STATE_READY && !d->done &&
@@ -264,12 +256,12 @@ void roburoc4_schedule_watch_pose(client *c) {
 /** Whether a pose that is sent now is still that of the call. */
 static bool pose_holds(client *c, const slot *s) {
     roburoc4_private_outputs *o = &c->private_outputs;
-    if (s->tries == 1 && c->private_now_us - o->relocalize_us < POSE_US) {
+    if (s->tries == 1 && c->private_timer.now_us - o->relocalize_us < POSE_US) {
         return true;
     }
     if (!roburoc4_link_fresh(&c->private_link, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
                              at_most(c->private_config.fresh_ms, POSE_FRESH_MS) * MS,
-                             c->private_now_us)) {
+                             &c->private_timer)) {
         o->unwatched = 1;
     }
     return !o->moved && !o->unwatched;
@@ -306,7 +298,7 @@ roburoc4_result roburoc4_schedule_poll(client *c, uint8_t *buffer, size_t capaci
         advance(c);
         slot *s =
             roburoc4_requests_due(&c->private_requests, c->private_config.first_retry_ms,
-                                  c->private_link.round_trip_min_us, c->private_now_us, &given_up);
+                                  c->private_link.round_trip_min_us, &c->private_timer, &given_up);
         if (s != NULL && s->ask.action == ROBUROC4_ACTION_REPLACE && !pose_holds(c, s)) {
             if (c->private_outputs.moved) {
                 s->open = 0;

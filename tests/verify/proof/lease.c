@@ -25,22 +25,31 @@ int differ(const float *one, const float *other);
 
 #include "drive.c"
 
-/*@ assigns \nothing;
+/*@ requires \valid(t) && \separated(t, d);
+    assigns t->due_us;
     ensures \result != 0 <==>
-        (d->lease_active != 0 && (uint64_t)(now_us - d->granted_us) >= d->lease_us); */
-static bool lease_over(const drive *d, uint64_t now_us);
+        (d->lease_active != 0 && (uint64_t)(t->now_us - d->granted_us) >= d->lease_us); */
+static bool lease_over(const drive *d, timer *t);
 
 /* These only compute: that they assign no more than this is assumed, not proved. */
 /*@ assigns \nothing; */
 static bool is_zero(float value);
 /*@ assigns \nothing; */
 static float clamp(float value, float low, float high);
-/*@ assigns \nothing; */
-static bool stop_sequence_over(const drive *d, const roburoc4_config *config, uint64_t now_us);
+/*@ assigns t->due_us; */
+static bool stop_sequence_over(const drive *d, const roburoc4_config *config, timer *t);
+/*@ assigns d->stopping, d->outcome, d->unconfirmed, d->envelope_us, *events;
+    ensures d->stopping == 0; */
+static void end_stop_sequence(drive *d, uint64_t now_us, uint32_t *events);
 /*@ assigns \nothing; */
 static uint32_t pause_us(const drive *d, const roburoc4_config *config);
-/*@ assigns d->zeros_sent, d->stop_us; */
-static bool poll_stop_sequence(drive *d, const roburoc4_config *config, uint64_t now_us);
+/*@ assigns d->zeros_sent, d->stop_us, t->due_us; */
+static bool zero_due(drive *d, const roburoc4_config *config, timer *t);
+/*@ requires \valid(t) && \separated(t, d);
+    assigns t->due_us;
+    ensures \result != 0 ==> d->armed != 0 && d->lease_active != 0 &&
+        (uint64_t)(t->now_us - d->granted_us) < d->lease_us; */
+static bool speed_due(const drive *d, const roburoc4_config *config, timer *t);
 /*@ assigns speeds[0 .. 1]; */
 static void shape(const drive *d, const roburoc4_config *config,
                   const roburoc4_differential_properties *limits, float *speeds);
@@ -52,13 +61,13 @@ static void age_envelope(drive *d, uint32_t window_us, uint64_t now_us);
 
 /*@ requires \valid(d) && \valid_read(config) && \valid_read(limits) && \valid(events) &&
         \valid(speeds + (0 .. 1));
-    requires \separated(d, config, limits, speeds + (0 .. 1), events);
+    requires \valid(t) && \separated(d, config, limits, speeds + (0 .. 1), events, t);
     ensures no_speed_without_a_lease: \result != 0 && d->stopping == 0 ==>
         \old(d->armed) != 0 && \old(d->lease_active) != 0 &&
-        (uint64_t)(now_us - \old(d->granted_us)) < \old(d->lease_us); */
+        (uint64_t)(t->now_us - \old(d->granted_us)) < \old(d->lease_us); */
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
-                         const roburoc4_differential_properties *limits, uint64_t now_us,
-                         float *speeds, uint32_t *events);
+                         const roburoc4_differential_properties *limits, timer *t, float *speeds,
+                         uint32_t *events);
 
 /*@ requires \valid(d) && \valid_read(target + (0 .. 1)) && \separated(d, target + (0 .. 1));
     requires caused: d->armed == 0 ==> d->disarm_cause < 0;
@@ -68,14 +77,14 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
 roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
                                      uint64_t now_us);
 
-/*@ requires \valid(d) && \valid(events) && \separated(d, events);
+/*@ requires \valid(d) && \valid(events) && \valid(t) && \separated(d, events, t);
     ensures a_lease_ends: \old(d->lease_active) != 0 &&
-        (uint64_t)(now_us - \old(d->granted_us)) >= \old(d->lease_us) ==> d->lease_active == 0;
+        (uint64_t)(t->now_us - \old(d->granted_us)) >= \old(d->lease_us) ==> d->lease_active == 0;
     ensures a_refusal_disarms: refusal < 0 ==> d->armed == 0;
     ensures disarmed_has_no_lease: \old(d->armed) != 0 && d->armed == 0 ==> d->lease_active == 0;
     ensures time_neither_arms_nor_grants: d->armed <= \old(d->armed) &&
         d->lease_active <= \old(d->lease_active); */
-void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uint32_t *events);
+void roburoc4_drive_tick(drive *d, roburoc4_result refusal, timer *t, uint32_t *events);
 
 /*@ requires \valid(d) && \valid(events) && \separated(d, events);
     ensures d->armed == 0 && d->lease_active == 0; */
