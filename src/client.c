@@ -138,6 +138,7 @@ roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
     if (c->private_size != sizeof *c || c->private_state != ROBUROC4_STATE_IDLE) {
         return ROBUROC4_ERR_STATE;
     }
+    memset(&c->private_timer, 0, sizeof c->private_timer);
     c->private_timer.now_us = now_us;
     memset(&c->private_link, 0, sizeof c->private_link);
     memset(&c->private_discovery, 0, sizeof c->private_discovery);

@@ -122,10 +122,11 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
     if (!started(c)) {
         return ROBUROC4_ERR_NOT_READY;
     }
-    begin_call(c, now_us);
+    see_time(c, now_us); /* a refused call makes nothing due: programs may try again and again */
     roburoc4_control_tick(c);
     const roburoc4_result refusal = arming_refusal(c, now_us);
     if (refusal >= 0) {
+        wake(c);
         roburoc4_drive_arm(&c->private_drive, &c->private_follow, &c->private_events);
         c->private_values.armable = 0; /* the event comes again after disarming */
     }
@@ -151,10 +152,14 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
     if (lease_us < LEASE_MIN_MS * MS || lease_us > LEASE_MAX_MS * MS) {
         return ROBUROC4_ERR_ARGUMENT;
     }
-    begin_call(c, now_us);
+    see_time(c, now_us);
     roburoc4_control_tick(c);
+    const uint32_t lease_before_us = c->private_drive.lease_us;
     const roburoc4_result result =
         roburoc4_drive_grant(&c->private_drive, target, lease_us, now_us);
+    if (c->private_drive.changed || lease_us != lease_before_us) {
+        wake(c); /* a lease that is only renewed makes nothing due */
+    }
     if (c->private_outputs.relocalizing) {
         roburoc4_schedule_watch_pose(c);
     }

@@ -37,7 +37,8 @@ static roburoc4_result take_iocard(client *c, const uint8_t *data, size_t size) 
     if (result >= 0 && memcmp(c->private_values.io_counts, counts, sizeof counts) != 0) {
         memcpy(c->private_values.io_counts, counts, sizeof counts);
         roburoc4_discovery_forget_inputs(d);
-        roburoc4_requests_cancel_texts(&c->private_requests, LIST_DIRECTORY, c->private_timer.now_us);
+        roburoc4_requests_cancel_texts(&c->private_requests, LIST_DIRECTORY,
+                                       c->private_timer.now_us);
         forget_override(c);
         roburoc4_lifecycle_forget_outputs(c); /* they belong to another card */
         c->private_events |= ROBUROC4_EVENT_PROPERTIES;
