@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Measure flash, RAM and stack on small processors, beside other codecs and an MQTT client.
+"""Measure flash, RAM and stack on small processors, beside other codecs.
 
 bench/measure_footprint.py --functions    list the core's functions on a Cortex-M0, largest first
 bench/measure_footprint.py --print        print the Cortex-M0's figures without keeping them
@@ -30,14 +30,8 @@ ABOUT = (
     "is the deepest path of calls."
 )
 ABOUT_PEERS = (
-    "Linked programs at -Os on a Cortex-M0, less a program that does nothing. *Six messages*: "
-    "encode and decode the five statuses and the drive command. *Client*: connect, subscribe, "
-    "receive and publish. roburoc4 is the firmware above, the peer is lwIP's MQTT client (quality "
-    "of service 1); the network functions are left out, or are those of lwIP with its default "
-    "options and Ethernet (UDP for roburoc4, TCP for MQTT). Alike: both match answers to requests "
-    "with a time-out, and notice a lost connection. Not alike: roburoc4 sends lost requests again "
-    "itself, which TCP does for MQTT; it decodes the statuses and includes arming, leases and stop "
-    "sequences."
+    "Linked programs at -Os on a Cortex-M0, less a program that does nothing: encode and decode "
+    "the five statuses and the drive command."
 )
 # Aims on the Cortex-M0, in bytes.
 AIMS = {
@@ -67,9 +61,8 @@ class Target:
     def tool(self, name, *arguments):
         return figures.run(self.prefix + name, *arguments)
 
-    def compile(self, source, *more, folder=""):
-        out = self.folder / folder / (pathlib.Path(source).stem + ".o")
-        out.parent.mkdir(exist_ok=True)
+    def compile(self, source, *more):
+        out = self.folder / (pathlib.Path(source).stem + ".o")
         self.tool(
             "gcc",
             *SMALL,
@@ -100,14 +93,9 @@ class Target:
         self.tool("gcc", *self.flags, "-nostartfiles", *more, *objects, "-o", out)
         return out
 
-    def linked(self, source, objects, *more, unresolved=False):
-        """Sizes of a program made of `source` and what it uses of `objects`, less the empty one's.
-
-        unresolved: functions that are in none of them are left out.
-        """
+    def linked(self, source, objects, *more):
+        """Sizes of `source` and what it uses of `objects`, less those of an empty program."""
         used = ("-Wl,--gc-sections", "-Wl,--entry=main", "-Wl,-Map=" + str(self.map_of(source)))
-        if unresolved:
-            used += ("-Wl,--unresolved-symbols=ignore-all",)
         own = self.compile(source, *more)
         whole = self.sizes(self.link(own.stem, [own, *objects], *used))
         if "unwind" in self.linked_map(source):
@@ -209,36 +197,6 @@ def measure_codecs(part, target, peers, objects):
         part.add("six messages, RAM", subject, "bytes", data + bss)
 
 
-def measure_clients(part, target, peers, objects):
-    """A firmware's client beside lwIP's MQTT client, without a network stack and with lwIP's."""
-    size, lwip = figures.BENCH / "size", peers / "lwip"
-    udp = ["-w", "-I", size / "lwip", "-I", lwip / "include"]
-    tcp = [*udp, "-DUSES_TCP"]
-    mqtt = target.compile(lwip / "apps/mqtt/mqtt.c", *tcp)
-    stack_sources = [
-        *sorted((lwip / "core").glob("*.c")),
-        *sorted((lwip / "core/ipv4").glob("*.c")),
-        lwip / "netif/ethernet.c",
-    ]
-
-    def stack_of(folder, options):
-        return [target.compile(source, *options, folder=folder) for source in stack_sources]
-
-    def add(name, subject, *program, **options):
-        text, data, bss = target.linked(*program, **options)
-        part.add(f"{name}, flash", subject, "bytes", text + data)
-        part.add(f"{name}, RAM", subject, "bytes", data + bss)
-
-    alone, whole = "client, without network functions", "client, with lwIP's network stack"
-    mqtt_program = size / "lwip/client_mqtt.c"
-    add(alone, "roburoc4", size / "client_drive.c", objects)
-    add(alone, "lwIP MQTT", mqtt_program, [mqtt], *tcp, unresolved=True)
-    own = [*objects, *stack_of("lwip-udp", udp)]
-    add(whole, "roburoc4", size / "lwip/client_drive_lwip.c", own, *udp)
-    their = [mqtt, *stack_of("lwip-tcp", tcp)]
-    add(whole, "lwIP MQTT", mqtt_program, their, *tcp, "-DWITH_STACK")
-
-
 def print_m0(target, only_functions):
     if only_functions:
         for size, file, function in functions(target, target.core()):
@@ -254,19 +212,17 @@ def print_m0(target, only_functions):
 def measure_all(folder, given):
     versions = sorted({figures.first_line(p + "gcc", "--version") for p, _ in TARGETS.values()})
     part = figures.Part("footprint", "Footprint", ABOUT, versions)
-    lwip = "lwIP " + (given.peers / "lwip/version").read_text(encoding="utf-8").strip()
     beside = figures.Part(
         "footprint_peers",
         "Footprint beside peers",
         ABOUT_PEERS,
-        [*versions[:1], *figures.pinned("nanopb", "pymavlink"), lwip],
+        [*versions[:1], *figures.pinned("nanopb", "pymavlink")],
     )
     for target_name in TARGETS:
         target = Target(target_name, folder)
         objects = measure_target(part, target)
         if target_name == "Cortex-M0":
             measure_codecs(beside, target, given.peers, objects)
-            measure_clients(beside, target, given.peers, objects)
     part.write(given.out)
     beside.write(given.out)
 
