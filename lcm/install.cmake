@@ -43,7 +43,9 @@ if(ROBUROC4_LCM_PYTHON)
 endif()
 set(ROBUROC4_PYTHON_DIR "${python_folder}" CACHE STRING
     "Where the Python package roburoc4_lcm is installed, below the prefix")
-install(DIRECTORY python/roburoc4_lcm DESTINATION ${ROBUROC4_PYTHON_DIR}
+include(${PROJECT_SOURCE_DIR}/cmake/lcm_python.cmake)
+roburoc4_lcm_python(${ROBUROC4_LCM_GEN} ${CMAKE_CURRENT_SOURCE_DIR}/types ${CMAKE_CURRENT_BINARY_DIR}/python)
+install(DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/python/roburoc4_lcm DESTINATION ${ROBUROC4_PYTHON_DIR}
     FILES_MATCHING PATTERN "*.py")
 
 # For Java, and with it MATLAB and lcm-spy, where there is a JDK and LCM's own jar.
