@@ -5,7 +5,8 @@
  *
  *   soak --hours H [--seed S] [--jobs J]   scenarios from seed S on, until H hours have passed
  *   soak --seed N --trace                  scenario N alone, step by step
- *   soak --survey ...                      do not stop at a violation: count them by promise
+ *   soak --only N,N,...                    these scenarios, and which of them break a promise
+ *   soak --survey ...                      do not stop at a violation: list and count them
  *   soak --without PROMISE ...             do not judge this promise (may be repeated)
  *   soak --canaries                        faulty clients: each must be caught
  *   soak --promises                        list all promises
@@ -41,8 +42,14 @@ struct Options {
     std::uint64_t seed = 1;
     unsigned jobs = 1;
     bool trace = false, survey = false, canaries = false;
+    std::vector<std::uint64_t> only;
     Promises excluded;
 };
+
+[[noreturn]] void wrong_argument(const char *argument) {
+    std::fprintf(stderr, "soak: wrong argument %s (see the head of soak.cpp)\n", argument);
+    std::exit(2);
+}
 
 double hours_of(std::uint64_t us) {
     return static_cast<double>(us) / 3.6e9;
@@ -63,11 +70,15 @@ void print_violation(const Outcome &outcome) {
 class Run {
   public:
     explicit Run(const Options &options)
-        : options_(options), next_seed_(options.seed), begun_(std::chrono::steady_clock::now()) {}
+        : options_(options), begun_(std::chrono::steady_clock::now()) {}
 
     void work() {
         while (!done_) {
-            const std::uint64_t seed = next_seed_++;
+            const std::uint64_t number = next_++;
+            if (!options_.only.empty() && number >= options_.only.size())
+                break;
+            const std::uint64_t seed =
+                options_.only.empty() ? options_.seed + number : options_.only[number];
             soak::RealClient client;
             record(soak::run_scenario(seed, client, options_.excluded, false));
         }
@@ -85,14 +96,6 @@ class Run {
                         entry.second.size(), promise_name(entry.first),
                         static_cast<unsigned long long>(shortest(entry.second).seed),
                         static_cast<double>(shortest(entry.second).lasted_us) * 1e-6);
-        if (options_.survey)
-            for (const auto &entry : broken_) {
-                print_violation(shortest(entry.second));
-                std::printf("  all:");
-                for (const Outcome &outcome : entry.second)
-                    std::printf(" %llu", static_cast<unsigned long long>(outcome.seed));
-                std::printf("\n");
-            }
         return all_reached() && broken_.empty();
     }
 
@@ -135,8 +138,7 @@ class Run {
             reached_[i] += outcome.reached[i];
         scenarios_++;
         if (outcome.violation.found) {
-            if (!options_.survey)
-                print_violation(outcome);
+            print_violation(outcome);
             broken_[outcome.violation.promise].push_back(outcome);
         }
         if (hours_of(lasted_us_) >= printed_hours_ + 100) {
@@ -144,12 +146,14 @@ class Run {
             std::printf("... %.0f hours, %.0f per hour and job\n", printed_hours_, throughput());
             std::fflush(stdout);
         }
-        if (hours_of(lasted_us_) >= options_.hours || (!options_.survey && !broken_.empty()))
+        const bool all = options_.survey || !options_.only.empty();
+        if ((options_.only.empty() && hours_of(lasted_us_) >= options_.hours) ||
+            (!all && !broken_.empty()))
             done_ = true;
     }
 
     const Options &options_;
-    std::atomic<std::uint64_t> next_seed_;
+    std::atomic<std::uint64_t> next_{0};
     std::atomic<bool> done_{false};
     std::chrono::steady_clock::time_point begun_;
     std::mutex mutex_;
@@ -175,6 +179,17 @@ int run_one(const Options &options) {
     if (outcome.violation.found)
         print_violation(outcome);
     return outcome.violation.found ? 1 : 0;
+}
+
+std::vector<std::uint64_t> numbers(const char *list) {
+    std::vector<std::uint64_t> all;
+    char *end = nullptr;
+    for (; *list != '\0'; list = *end == ',' ? end + 1 : end) {
+        all.push_back(std::strtoull(list, &end, 10));
+        if (end == list)
+            wrong_argument(list);
+    }
+    return all;
 }
 
 /* Each faulty client must be caught breaking the promise that it breaks, by the check of this
@@ -221,11 +236,6 @@ int list_promises() {
     return 0;
 }
 
-[[noreturn]] void wrong_argument(const char *argument) {
-    std::fprintf(stderr, "soak: wrong argument %s (see the head of soak.cpp)\n", argument);
-    std::exit(2);
-}
-
 } // namespace
 
 int main(int argc, char **argv) {
@@ -246,6 +256,8 @@ int main(int argc, char **argv) {
             options.jobs = static_cast<unsigned>(std::strtoul(value(), nullptr, 10));
         else if (argument == "--without" && find_promise(value(), promise))
             options.excluded.set(soak::number(promise));
+        else if (argument == "--only")
+            options.only = numbers(value());
         else if (argument == "--trace")
             options.trace = true;
         else if (argument == "--survey")
