@@ -97,6 +97,7 @@ void roburoc4_lifecycle_reboot(client *c) {
     count(c, ROBUROC4_COUNT_REBOOTS);
     raise_event(c, ROBUROC4_EVENT_REBOOT);
     c->private_link.newest_cycles = 0;
+    c->private_link.resubscribed = 0; /* nothing is known of before */
     roburoc4_link_forget_times(&c->private_link);
     roburoc4_lifecycle_forget_outputs(c); /* the robot switched its outputs off */
     roburoc4_discovery_clear(&c->private_discovery);

@@ -285,15 +285,17 @@ static bool was_silent(const roburoc4_private_link *l, uint64_t now_us) {
     return l->resubscribed || now_us - l->heard_us >= RESTART_US;
 }
 
-/** Whether this machine's clock jumped, so that nothing tells which time the robot should show. */
-static bool clock_is_lost(const roburoc4_private_link *l) {
-    return !l->mapped && l->newest_cycles > 0;
+/** Whether a status may be from another start of the robot, because this machine's clock jumped in
+ * the silence before, so that nothing tells which time the robot should show. */
+static bool clock_is_lost(const roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {
+    return !l->mapped && l->newest_cycles > 0 &&
+           (was_silent(l, now_us) || robot_cycles > l->newest_cycles + BACK_CYCLES);
 }
 
 void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {
     const uint64_t transit = transit_of(robot_cycles, now_us);
     if (robot_cycles < l->newest_cycles || ahead_of_time(l, transit, true, now_us) ||
-        (was_silent(l, now_us) && clock_is_lost(l))) {
+        clock_is_lost(l, robot_cycles, now_us)) {
         return; /* perhaps from another start: its subscribed statuses tell */
     }
     l->newest_cycles = robot_cycles;
@@ -305,8 +307,8 @@ void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uin
 static verdict judge_time(roburoc4_private_link *l, const service *s, uint64_t robot_cycles,
                           uint64_t transit, uint64_t now_us) {
     const bool gap = was_silent(l, now_us);
-    if (gap && clock_is_lost(l)) {
-        return VERDICT_REBOOT; /* it may be another start */
+    if (clock_is_lost(l, robot_cycles, now_us)) {
+        return VERDICT_REBOOT;
     }
     if (ahead_of_time(l, transit, gap, now_us)) {
         l->back_count++; /* without a gap, one may be a corrupted datagram */

@@ -400,6 +400,38 @@ TEST(Restart, IsNotReportedOfTheSameRobotAfterAnOutage) {
     }
 }
 
+namespace {
+
+/** Stamps of the services that measure motion are 15 cycles older than the others. */
+struct MeasuringRobot : ScriptedRobot {
+    std::vector<Bytes> take() override {
+        std::vector<Bytes> all = ScriptedRobot::take();
+        for (Bytes &bytes : all)
+            if (measured(bytes))
+                bytes = status_at(bytes[1], cycles() - 15);
+        std::stable_partition(all.begin(), all.end(), measured);
+        return all;
+    }
+    static bool measured(const Bytes &bytes) {
+        return is_status(bytes) && bytes[1] >= ROBUROC4_SERVICE_LOCALIZATION;
+    }
+};
+
+} // namespace
+
+TEST(Restart, IsNotReportedForEverWhereStampsAreOfTheMeasurement) {
+    MeasuringRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.powered = false;
+    bench.run(30 * second);
+    bench.delay_to_client = [] { return 60 * ms; };
+    robot.powered = true; /* with its subscriptions, so that statuses come before they count */
+    bench.run(10 * second);
+    EXPECT_LE(bench.count(ROBUROC4_COUNT_REBOOTS), 1U);
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
 /** Nothing tells then which time the robot should show. */
 TEST(Restart, InAnOutageIsAssumedIfThisClockWentBackMeanwhile) {
     for (const std::uint64_t up_s : {20U, 3600U}) {
@@ -419,6 +451,26 @@ TEST(Restart, InAnOutageIsAssumedIfThisClockWentBackMeanwhile) {
         EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
         EXPECT_EQ(ROBUROC4_OK, bench.arm());
     }
+}
+
+/** By how much it went back is not known either, if nobody called meanwhile. */
+TEST(Restart, IsAssumedIfThisClockWentBackAndTheRobotsIsASecondAhead) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    const std::uint64_t cycles = robot.cycles();
+    robot.powered = false;
+    bench.run(900 * ms);
+    bench.now_us += 2 * second;
+    bench.skew_us -= static_cast<std::int64_t>(2500 * ms);
+    const auto subscriptions = robot.subscriptions; /* some robots keep them */
+    robot.reboot();
+    robot.subscriptions = subscriptions;
+    robot.set_cycles(cycles + 800);
+    robot.powered = true;
+    bench.run(10 * second);
+    EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }
 
 TEST(Restart, IsNotAssumedWhereOnlyThisClockWentBack) {

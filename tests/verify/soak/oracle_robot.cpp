@@ -251,6 +251,8 @@ void Oracle::iocard_status(Moment now, const Datagram &datagram) {
 /* A restart shows in stamps: they go back, or they did not advance as time did. */
 void Oracle::watch_restart(Moment now, const Datagram &datagram) {
     const std::uint64_t stamp = datagram.u64_at(3);
+    if (datagram.origin.boot < boot_) /* from a queue of its own: they are not in a row */
+        restarted_statuses_ = 0;
     if (datagram.origin.boot <= judged_boot_)
         return;
     const Newest *last = nullptr; /* of the robot before */

@@ -478,7 +478,8 @@ class Scenario {
     }
 
     /* Drives for 8 s, each way. The client may have found out something meanwhile (a text that came
-     * late) that makes it look again: then it must be armed again. */
+     * late) that makes it look again: then it must be armed again. For a minute after a jump of its
+     * clock, ages may seem so high that it is disarmed now and then. */
     void drive_in_the_end() {
         const std::uint64_t interval_us = std::min<std::uint64_t>(config_.lease_ms * 500, 50000);
         Speeds target = {plan_.max_v > 0 ? 0.3F : 0.0F, plan_.max_w > 0 ? 0.3F : 0.0F};
@@ -486,7 +487,7 @@ class Scenario {
         std::uint64_t driven_us = 0;
         const std::uint64_t before = world_.oracle().speeds_sent();
         std::int32_t result = 0;
-        while (driven_us < 8 * second && !violated() && world_.now_us() - begin_us < 30 * second) {
+        while (driven_us < 8 * second && !violated() && world_.now_us() - begin_us < 90 * second) {
             if (driven_us > 4 * second)
                 target = {plan_.min_v < -0.1F ? -0.1F : 0.0F, plan_.min_w < -0.5F ? -0.5F : 0.0F};
             result = world_.drive(target);
