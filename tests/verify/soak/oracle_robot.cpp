@@ -45,11 +45,13 @@ void Oracle::received(Moment now, const Datagram &datagram, std::int32_t result)
         watch_restart(now, datagram);
     const bool text =
         origin.kind == Origin::Kind::input_text || origin.kind == Origin::Kind::input_refusal;
-    if (text && robot_.literal_ids && result == ROBUROC4_ERR_UNMATCHED)
+    /* where all answers have one id, it is seen, too, what the one before was mistaken for */
+    const bool doubted = text && robot_.literal_ids && result == ROBUROC4_ERR_UNMATCHED;
+    if (doubted)
         reach(Reached::doubled_literal_text);
     if (!is_status(datagram))
         answer_delay_us_ = now.true_us - origin.made_us;
-    if ((result < 0 && result != ROBUROC4_ERR_ROBOT) || origin.boot < required_boot_)
+    if ((result < 0 && result != ROBUROC4_ERR_ROBOT && !doubted) || origin.boot < required_boot_)
         return;
     switch (origin.kind) {
     case Origin::Kind::iocard_properties:
@@ -271,7 +273,11 @@ void Oracle::watch_restart(Moment now, const Datagram &datagram) {
             last != nullptr ? (static_cast<double>(stamp) - static_cast<double>(last->stamp)) * 1e4
                             : 0;
         if (std::fabs(counted - passed) < 2e6 || last == nullptr) {
-            judged_boot_ = boot_; /* nothing to notice */
+            judged_boot_ = boot_; /* nothing to notice; but ages are wrong by what it is ahead */
+            const auto truly = static_cast<double>(datagram.origin.made_us) -
+                               static_cast<double>(last != nullptr ? last->made_us : 0);
+            if (last != nullptr && counted > truly)
+                clock_error_us_ += static_cast<std::uint64_t>(counted - truly);
             return;
         }
         if (counted > 0)
