@@ -261,6 +261,14 @@ static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
     }
 }
 
+/** Whether this status was made when its stamp says. Stamps of measured motion may be older, so
+ * they prove nothing where statuses of the IO card come, too. */
+static bool dates_itself(const roburoc4_private_link *l, const service *s, uint64_t now_us) {
+    const service *card = &l->services[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)];
+    return s < &l->services[STATUS_INDEX(ROBUROC4_SERVICE_LOCALIZATION)] ||
+           (now_us - card->received_us >= SECOND && now_us - card->inserted_us >= SECOND);
+}
+
 /** Whether a status is from later than is possible: from a robot that restarted, or another one. */
 static bool ahead_of_time(const roburoc4_private_link *l, uint64_t transit, bool gap,
                           uint64_t now_us) {
@@ -347,7 +355,7 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
     if (l->slack_us > 0 && l->slack_us > lateness(l, transit)) {
         l->slack_us = (uint32_t)lateness(l, transit); /* the clock has not jumped by more */
     }
-    if (l->answered && newest) {
+    if (l->answered && newest && dates_itself(l, s, now_us)) {
         l->answered = 0;
         learn_age(l, transit, now_us);
     }

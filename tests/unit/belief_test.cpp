@@ -207,6 +207,21 @@ struct QueueingRobot : ScriptedRobot {
     std::multimap<std::uint64_t, Bytes> held_;
 };
 
+/** Stamps of the services that measure motion are 15 cycles older than the others. */
+struct MeasuringRobot : ScriptedRobot {
+    std::vector<Bytes> take() override {
+        std::vector<Bytes> all = ScriptedRobot::take();
+        for (Bytes &bytes : all)
+            if (measured(bytes))
+                bytes = status_at(bytes[1], cycles() - 15);
+        std::stable_partition(all.begin(), all.end(), measured);
+        return all;
+    }
+    static bool measured(const Bytes &bytes) {
+        return is_status(bytes) && bytes[1] >= ROBUROC4_SERVICE_LOCALIZATION;
+    }
+};
+
 std::uint32_t age_us(const Bench &bench) {
     return bench.facts().age_us[differential];
 }
@@ -277,6 +292,25 @@ TEST(Age, IsLearntAgainAfterThisClockJumpedAhead) {
         bench.skew_us += jump_ms * 1000;
         bench.run(15 * second);
         EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    }
+}
+
+TEST(Age, IsNotProvenByStampsOfTheMeasurement) {
+    MeasuringRobot robot;
+    Bench bench(robot);
+    const auto mute = [&robot](bool muted) {
+        for (ScriptedService &service : robot.services)
+            service.mute = muted && service.kind < ROBUROC4_SERVICE_LOCALIZATION;
+    };
+    mute(true); /* so that motion is reported first */
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    bench.run(200 * ms);
+    bench.delay_to_client = [] { return 140 * ms; };
+    mute(false);
+    for (int i = 0; i < 100; i++) {
+        bench.run(50 * ms);
+        EXPECT_GE(bench.service_link(ROBUROC4_SERVICE_IOCARD).age_us, 130 * ms) << i;
     }
 }
 
@@ -399,25 +433,6 @@ TEST(Restart, IsNotReportedOfTheSameRobotAfterAnOutage) {
         EXPECT_EQ(ROBUROC4_OK, bench.arm()) << outage_s;
     }
 }
-
-namespace {
-
-/** Stamps of the services that measure motion are 15 cycles older than the others. */
-struct MeasuringRobot : ScriptedRobot {
-    std::vector<Bytes> take() override {
-        std::vector<Bytes> all = ScriptedRobot::take();
-        for (Bytes &bytes : all)
-            if (measured(bytes))
-                bytes = status_at(bytes[1], cycles() - 15);
-        std::stable_partition(all.begin(), all.end(), measured);
-        return all;
-    }
-    static bool measured(const Bytes &bytes) {
-        return is_status(bytes) && bytes[1] >= ROBUROC4_SERVICE_LOCALIZATION;
-    }
-};
-
-} // namespace
 
 TEST(Restart, IsNotReportedForEverWhereStampsAreOfTheMeasurement) {
     MeasuringRobot robot;

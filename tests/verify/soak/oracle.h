@@ -216,6 +216,8 @@ class Oracle {
     void forget_robot(Moment now);
     bool ours(Speeds target, std::uint64_t since_us) const;
     std::uint64_t tolerance_us(Moment now) const;
+    bool ages_are_new(Moment now, int service) const;
+    std::uint64_t first_ages_us(Moment now) const;
     Bounds bounds() const;
     bool target_may_be_zero() const;
     bool zeros_welcome(Moment now) const;

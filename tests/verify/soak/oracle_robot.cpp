@@ -118,7 +118,8 @@ void Oracle::differential_status(Moment now, const Datagram &datagram) {
     reported_target_ = target;
     reported_current_ = current;
     if (stop_.active && zero_by_rounding(target)) {
-        if (stop_.zeros > 0 && made + tolerance_us(now) >= stop_.first_zero_us &&
+        if (stop_.zeros > 0 &&
+            made + tolerance_us(now) + first_ages_us(now) >= stop_.first_zero_us &&
             !(overridden_ && report_.override_known))
             stop_.confirmed = true;
         else
@@ -394,13 +395,22 @@ void Oracle::judge_disarming(Moment now, const Report &report) {
                     ") although all was well for " + ms_text(now.true_us - well_since_us_));
 }
 
+/* The first pairs of an answer and a status prove little. */
+bool Oracle::ages_are_new(Moment now, int service) const {
+    return now.true_us - ages_since_us_[service] < 3000000;
+}
+
+/* By so much a status may be older then (SAFETY.md). */
+std::uint64_t Oracle::first_ages_us(Moment now) const {
+    return ages_are_new(now, differential) ? 100000 : 0;
+}
+
 void Oracle::judge_ages(Moment now, const Report &report) {
     for (int service = 0; service < 5; service++) {
         const Newest &newest = newest_[service];
         if (report.state != ROBUROC4_STATE_READY || report.age_us[service] == UINT32_MAX)
             ages_since_us_[service] = now.true_us;
-        if (!newest.known || !ages_known_ || !ages_judged_ ||
-            now.true_us - ages_since_us_[service] < 3000000) /* the first pairs prove little */
+        if (!newest.known || !ages_known_ || !ages_judged_ || ages_are_new(now, service))
             continue;
         const std::uint64_t age = now.true_us - newest.made_us;
         if (age > report.age_us[service] + tolerance_us(now))

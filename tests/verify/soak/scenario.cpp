@@ -54,7 +54,7 @@ roburoc4_config draw_config(Random &random, const RobotPlan &plan) {
         config.options |= ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
     if (random.chance(0.1))
         config.options |= ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER;
-    if (random.chance(0.05))
+    if (random.chance(0.05) && plan.pad_a < ROBUROC4_MAX_DIGITAL_INPUTS)
         config.role_index[ROBUROC4_ROLE_OVERRIDE] = static_cast<std::int16_t>(plan.pad_a);
     if (random.chance(0.2))
         config.lapse_disarm_ms = static_cast<std::uint32_t>(random.between(0, 5000));
