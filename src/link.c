@@ -293,11 +293,18 @@ static bool was_silent(const roburoc4_private_link *l, uint64_t now_us) {
     return l->resubscribed || now_us - l->heard_us >= RESTART_US;
 }
 
-/** Whether a status may be from another start of the robot, because this machine's clock jumped in
- * the silence before, so that nothing tells which time the robot should show. */
+/** Whether a status may be from another start of the robot than what was read before, though its
+ * stamp cannot show it: the robot was silent before its first status, or this machine's clock
+ * jumped in a silence, so that nothing tells which time the robot should show. */
 static bool clock_is_lost(const roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {
-    return !l->mapped && l->newest_cycles > 0 &&
-           (was_silent(l, now_us) || robot_cycles > l->newest_cycles + BACK_CYCLES);
+    if (l->mapped || l->newest_cycles == 0) {
+        return !l->mapped && l->resubscribed;
+    }
+    return was_silent(l, now_us) || robot_cycles > l->newest_cycles + BACK_CYCLES;
+}
+
+bool roburoc4_link_was_silent(const roburoc4_private_link *l, uint64_t now_us) {
+    return !l->mapped && now_us - l->last_used_us >= RESTART_US;
 }
 
 void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {

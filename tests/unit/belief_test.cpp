@@ -434,6 +434,32 @@ TEST(Restart, IsNotReportedOfTheSameRobotAfterAnOutage) {
     }
 }
 
+/** Nothing of what was read then tells which start it was of. */
+TEST(Restart, IsAssumedOfARobotThatWasLostBeforeItsFirstStatus) {
+    ScriptedRobot robot;
+    robot.remove(ROBUROC4_SERVICE_BATTERY);
+    Bench bench(robot);
+    const auto mute = [&robot](bool muted) {
+        for (ScriptedService &service : robot.services)
+            service.mute = muted;
+    };
+    mute(true);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    bench.run(100 * ms);
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    robot.reboot();
+    robot.channel_text = [](std::uint32_t, std::uint32_t index) {
+        return index == 20 ? "Game pad A" : "spare";
+    };
+    robot.powered = true;
+    mute(false);
+    bench.run(10 * second);
+    EXPECT_EQ(20, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
 TEST(Restart, IsNotReportedForEverWhereStampsAreOfTheMeasurement) {
     MeasuringRobot robot;
     Bench bench(robot);
@@ -477,6 +503,7 @@ TEST(Restart, IsAssumedIfThisClockWentBackAndTheRobotsIsASecondAhead) {
     robot.powered = false;
     bench.run(900 * ms);
     bench.now_us += 2 * second;
+    robot.advance(bench.now_us);
     bench.skew_us -= static_cast<std::int64_t>(2500 * ms);
     const auto subscriptions = robot.subscriptions; /* some robots keep them */
     robot.reboot();
