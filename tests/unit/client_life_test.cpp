@@ -89,6 +89,7 @@ TEST(Life, ReportsEveryNewStateAndReadyOnlyWhenItIs) {
     };
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_start(&bench.client, bench.client_us()));
     ASSERT_TRUE(reaches(ROBUROC4_STATE_READY));
+    bench.run(100 * ms); /* a robot that is lost before its first status is read anew */
     robot.powered = false;
     ASSERT_TRUE(reaches(ROBUROC4_STATE_LOST));
     robot.powered = true;
