@@ -30,7 +30,7 @@ SERVER_MB_PER_HOUR = 4.0
 PAGE_MB_PER_HOUR = 10.0
 CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 PYTHON = [sys.executable, "-c"]
-COMMAND = [*PYTHON, "from roburoc4.cli import main; main()"]
+COMMAND = [*PYTHON, "from roburoc4_tools.cli import main; main()"]
 SIMULATOR = [os.path.join(os.path.dirname(sys.executable), "roburoc4-sim")]
 
 FAKE_PAD = """

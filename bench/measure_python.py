@@ -129,6 +129,7 @@ def measure_decode(part, timer, generated):
 
 def measure_batch(part, timer):
     import numpy
+
     from roburoc4 import protocol
 
     buffer = WIRE * BATCH

@@ -14,7 +14,8 @@ import tempfile
 import time
 
 import figures
-from roburoc4.capture import Datagram, RawWriter
+
+from roburoc4_tools.recordings.capture import Datagram, RawWriter
 
 ABOUT = (
     "A robot that sends 71 statuses a second, as the library subscribes by default, recorded for a "
@@ -24,7 +25,10 @@ ABOUT = (
 )
 ROBOT, CLIENT = (b"\xc0\xa8\x00\x02", 60000), (b"\xc0\xa8\x00\x05", 40001)
 BEGIN_US = 1_700_000_000_000_000
-READ = "import sys, roburoc4; sum(1 for _ in roburoc4.open_recording(sys.argv[1]).items())"
+READ = (
+    "import sys; from roburoc4_tools.recordings import open_recording; "
+    "sum(1 for _ in open_recording(sys.argv[1]).items())"
+)
 
 
 def statuses(cycles):

@@ -24,10 +24,10 @@ from cyclonedx.schema import SchemaVersion
 from cyclonedx.validation.json import JsonStrictValidator
 from packageurl import PackageURL
 
-# Inside of the Python package.
+# Inside of roburoc4-tools.
 UPLOT = (
     Path(__file__).parents[1]
-    / "bindings/python/src/roburoc4/dashboard/static/vendor/uplot/version.json"
+    / "tools/src/roburoc4_tools/dashboard/static/vendor/uplot/version.json"
 )
 
 
@@ -42,7 +42,8 @@ def wheel_needs(wheel: Path) -> list[PackageURL]:
         name = next(n for n in archive.namelist() if n.endswith(".dist-info/METADATA"))
         metadata = archive.read(name).decode()
     required = re.findall(r"^Requires-Dist: ([\w-]+)(?!.*extra ==)", metadata, re.MULTILINE)
-    return [uplot(), *(PackageURL("pypi", None, package) for package in required)]
+    copied = [uplot()] if wheel.name.startswith("roburoc4_tools-") else []
+    return [*copied, *(PackageURL("pypi", None, package) for package in required)]
 
 
 def debian_field(package: Path, field: str) -> str:
@@ -56,7 +57,7 @@ def debian_needs(package: Path) -> list[PackageURL]:
     depends = debian_field(package, "Depends").split(",")
     names = [re.split(r"[ (|:]", field.strip())[0] for field in depends]
     needs = [PackageURL("deb", "debian", name) for name in names if name]
-    return [*needs, *([uplot()] if package.name.startswith("python3-roburoc4_") else [])]
+    return [*needs, *([uplot()] if package.name.startswith("roburoc4-tools_") else [])]
 
 
 def write(file: Path, purl: PackageURL, needs: list[PackageURL]) -> None:
@@ -101,7 +102,8 @@ def main() -> None:
     """Write all of them."""
     version, folder = sys.argv[1], Path(sys.argv[2])
     for wheel in sorted(folder.glob("python/*.whl")):
-        write(wheel, PackageURL("pypi", None, "roburoc4", version), wheel_needs(wheel))
+        name = wheel.name.partition("-")[0].replace("_", "-")
+        write(wheel, PackageURL("pypi", None, name, version), wheel_needs(wheel))
     for package in sorted(folder.glob("debian/*.deb")):
         name, full_version, arch = (
             debian_field(package, field) for field in ("Package", "Version", "Architecture")

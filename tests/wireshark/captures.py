@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
-DISSECTOR = ROOT / "wireshark" / "roburoc4.lua"
+DISSECTOR = ROOT / "tools" / "wireshark" / "roburoc4.lua"
 RAW_IP, ETHERNET, UPPER_PDU = 101, 1, 252
 CLIENT, ROBOT = (b"\xc0\xa8\x00\x0a", 40000), (b"\xc0\xa8\x00\x02", 60000)
 IP_UDP, IP_ICMP = 17, 1

@@ -532,7 +532,7 @@ class Table(unittest.TestCase):
         assert names
 
     def test_channels_and_flags_are_those_of_the_header(self) -> None:
-        text = (ROOT / "wireshark" / "roburoc4.lua").read_text(encoding="utf-8")
+        text = (ROOT / "tools" / "wireshark" / "roburoc4.lua").read_text(encoding="utf-8")
         for kind, table in (("AI", "ANALOG_INPUTS"), ("DI", "DIGITAL_INPUTS")):
             body = re.search(rf"local {table} = \{{(.*?)\}}", text, re.DOTALL)
             assert body

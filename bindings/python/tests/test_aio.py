@@ -8,7 +8,7 @@ import math
 import threading
 
 import pytest
-from conftest import first_zero_s, until
+from robot_support import first_zero_s, until
 
 import roburoc4
 from roburoc4 import Event, Simulator

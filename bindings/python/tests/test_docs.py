@@ -2,16 +2,13 @@
 """The tutorial does what it says: its blocks are run, one after the other, as a reader would."""
 
 import re
-import shlex
 import sys
 from pathlib import Path
 
 import pytest
-import reference
 
 import roburoc4
 from roburoc4 import Simulator
-from roburoc4.cli.app import parser
 
 HERE = Path(__file__).resolve().parent
 PAGES = [
@@ -22,13 +19,6 @@ PAGES = [
         HERE.parent / "README.md",
     )
     if path.exists()
-]
-
-
-COMMANDS = [
-    page
-    for name in ("cli.md", "dashboard.md", "ros2.md", "recording.md")
-    if (page := HERE.parents[2] / "docs" / name).exists()
 ]
 
 
@@ -51,46 +41,8 @@ def test_the_blocks_of_a_page_run(page: Path, capsys: pytest.CaptureFixture[str]
     assert "roburoc4" in sys.modules
 
 
-@pytest.mark.skipif(not COMMANDS, reason="an sdist has no pages but python.md")
-@pytest.mark.parametrize("page", COMMANDS, ids=lambda page: page.name)
-def test_the_parser_accepts_each_command_of_a_page(page: Path) -> None:
-    shell = re.findall(r"^```(?:sh|console)\n(.*?)^```$", page.read_text("utf-8"), re.M | re.S)
-    commands = re.findall(r"^(?:\$ )?roburoc4 ([^&>|\n]*)", "\n".join(shell), re.M)
-    assert commands
-    for command in commands:
-        _, unknown = parser().parse_known_args(shlex.split(command, comments=True))
-        assert not unknown or command.startswith("sim "), command
-
-
 def test_there_are_pages() -> None:
     assert PAGES
-
-
-def test_the_reference_is_what_the_package_says() -> None:
-    for page in PAGES:
-        if page.name == "python.md":
-            text = page.with_name("python-api.md").read_text(encoding="utf-8")
-            assert text == reference.page(), "run tests/reference.py"
-            return
-
-
-def test_the_reference_shows_what_must_be_named() -> None:
-    text = reference.page()
-    assert "`drive(linear_m_s, angular_rad_s, *, lease=None)`" in text
-    assert "`rest(*, timeout=None)`" in text
-    assert "timeout=10.0, wait=True" in text
-    assert "`connect(host='192.168.0.2', *, timeout" in text
-
-
-def test_the_manual_page_has_every_command_and_option() -> None:
-    page = PAGES[0].with_name("man") / "roburoc4.1"
-    text = page.read_text(encoding="utf-8").replace("\\-", "-")
-    (commands,) = [action for action in parser()._actions if isinstance(action.choices, dict)]
-    for name, command in commands.choices.items():
-        assert f"'roburoc4 {name}'" in text, "run tests/reference.py"
-        options = {option for action in command._actions for option in action.option_strings}
-        missing = [option for option in options - {"-h", "--help"} if option not in text]
-        assert not missing, f"{name}: {missing}: run tests/reference.py"
 
 
 def test_the_patrol_waits_for_an_obstacle_and_continues(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from roburoc4 import Robot, Simulator
-from roburoc4._gate import DriveCommand, Gate, Rejection, Verdict
+from roburoc4.gate import DriveCommand, Gate, Rejection, Verdict
 
 EPOCH_S = 1_790_000_000
 PERIOD_S = 0.05

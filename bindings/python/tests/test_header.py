@@ -7,7 +7,7 @@ from enum import IntEnum
 from pathlib import Path
 
 import pytest
-from conftest import header
+from robot_support import header
 
 import roburoc4
 from roburoc4 import _native, constants

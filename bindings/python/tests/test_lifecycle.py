@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable
 
 import pytest
-from conftest import first_zero_s, until
+from robot_support import first_zero_s, until
 
 import roburoc4
 from roburoc4 import Result, Simulator

@@ -4,7 +4,7 @@
 import logging
 
 import pytest
-from conftest import until
+from robot_support import until
 
 import roburoc4
 from roburoc4 import Simulator

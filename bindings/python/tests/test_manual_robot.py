@@ -5,7 +5,7 @@ import select
 import time
 
 import pytest
-from conftest import LONG_S, until
+from robot_support import LONG_S, until
 
 import roburoc4
 from roburoc4 import Simulator

@@ -40,7 +40,7 @@ def test_the_version_is_the_librarys() -> None:
 def test_nothing_else_is_required() -> None:
     required = importlib.metadata.requires("roburoc4") or []
     assert [line for line in required if "extra ==" not in line] == []
-    assert {"cli", "dashboard", "lcm", "numpy", "pandas", "record", "ros2"} == set(
+    assert {"numpy", "pandas"} == set(
         importlib.metadata.metadata("roburoc4").get_all("Provides-Extra")
     )
 

@@ -6,7 +6,6 @@ import struct
 from pathlib import Path
 
 import pytest
-from cli_support import run
 
 import roburoc4
 
@@ -87,26 +86,3 @@ def test_only_a_capture_is_called_like_one(name: str, tmp_path: Path) -> None:
             roburoc4.connect("127.0.0.1:9", wait=False, record=tmp_path / name)
         assert not (tmp_path / name).exists() or not (tmp_path / name).stat().st_size
         (tmp_path / name).touch()
-
-
-def test_a_drive_is_recorded_where_the_variable_says(
-    served: roburoc4.Simulator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    folder = tmp_path / "robot" / "recordings"
-    monkeypatch.setenv("ROBUROC4_RECORD", str(folder))
-    done = run("drive", "0.2", "0", "--seconds", "0.5", robot=served.address)
-    assert done.returncode == 0, done.stderr
-    (file,) = folder.iterdir()
-    assert f"recording to {file}" in done.stderr
-    assert block_types(file).count(PACKET) > 40
-
-
-def test_a_variable_that_names_no_folder_is_an_error(
-    served: roburoc4.Simulator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "file").write_text("in the way")
-    monkeypatch.setenv("ROBUROC4_RECORD", str(tmp_path / "file"))
-    done = run("drive", "0.2", "0", "--seconds", "0.5", robot=served.address)
-    assert done.returncode == 1
-    assert "ROBUROC4_RECORD" in done.stderr
-    assert served.state.speed_commands == 0

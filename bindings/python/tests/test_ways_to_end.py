@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import pytest
-from conftest import until
+from robot_support import until
 
 import roburoc4
 from roburoc4 import ClosedError, Robot, Simulator

@@ -56,14 +56,12 @@ from .simulator import SimSettings, Simulator
 
 if TYPE_CHECKING:
     from . import aio, protocol
-    from .recording import Command, RecordedEvent, RecordedRobot, open_recording
 
 __all__ = [
     "ArgumentError",
     "BatteryState",
     "BatteryStatus",
     "ClosedError",
-    "Command",
     "Count",
     "DifferentialStatus",
     "Event",
@@ -80,8 +78,6 @@ __all__ = [
     "NetworkError",
     "NotArmedError",
     "NotKnownError",
-    "RecordedEvent",
-    "RecordedRobot",
     "Recording",
     "RecordingError",
     "RefusedError",
@@ -103,7 +99,6 @@ __all__ = [
     "aio",
     "connect",
     "flatten",
-    "open_recording",
     "protocol",
 ]
 
@@ -113,10 +108,6 @@ __version__ = "{}.{}.{}".format(*_native.roburoc4_version().to_bytes(3, "big"))
 _LATER = {
     "aio": ".aio",
     "protocol": ".protocol",
-    "Command": ".recording",
-    "RecordedEvent": ".recording",
-    "RecordedRobot": ".recording",
-    "open_recording": ".recording",
 }
 
 

@@ -1,0 +1,278 @@
+# SPDX-License-Identifier: MIT
+"""What messages of ROS 2 make the robot do; in virtual time, without DDS."""
+
+import math
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from roburoc4 import Robot, Simulator
+from roburoc4_ros2.commands import Commands, DriveConfig, Sender
+
+EPOCH_S = 1_790_000_000
+NAV = Sender("aa", "/nav/controller")
+JOY = Sender("bb", "/teleop")
+
+
+class Topics:
+    """Messages that come to a robot at once."""
+
+    def __init__(self, simulator: Simulator, robot: Robot, **config: Any) -> None:
+        self.simulator = simulator
+        self.notes: list[str] = []
+        settings = DriveConfig(**({"enabled": True} | config))
+        self.commands = Commands(robot, settings, self.notes.append, self.utc_us)
+
+    def utc_us(self) -> int:
+        return round((EPOCH_S + self.simulator.now_s) * 1e6)
+
+    def step(self, seconds: float) -> None:
+        for _ in range(round(seconds / 0.01)):
+            self.simulator.step(0.01)
+            self.commands.look(0.01)
+
+    def stamped(
+        self, linear: float, angular: float = 0.0, age_s: float = 0.0, **axes: float
+    ) -> Any:
+        sec, us = divmod(self.utc_us() - round(age_s * 1e6), 1_000_000)
+        stamp = SimpleNamespace(sec=sec, nanosec=us * 1000)
+        return SimpleNamespace(
+            header=SimpleNamespace(stamp=stamp, frame_id=""), twist=twist(linear, angular, **axes)
+        )
+
+    def send(self, message: Any, sender: Sender = NAV) -> None:
+        self.commands.drive(sender, message, self.utc_us())
+
+    @property
+    def speeds(self) -> tuple[float, float]:
+        """That were sent to the robot last."""
+        state = self.simulator.state
+        return round(state.last_linear_m_s, 3), round(state.last_angular_rad_s, 3)
+
+
+def twist(linear: float, angular: float = 0.0, **axes: float) -> Any:
+    values = {"linear_x": linear, "angular_z": angular} | axes
+    parts = (
+        SimpleNamespace(**{axis: values.get(f"{part}_{axis}", 0.0) for axis in "xyz"})
+        for part in ("linear", "angular")
+    )
+    return SimpleNamespace(linear=next(parts), angular=next(parts))
+
+
+@pytest.fixture
+def robot(roburoc4_simulator: Simulator) -> Iterator[Robot]:
+    with roburoc4_simulator.connect() as robot:
+        yield robot
+
+
+@pytest.fixture
+def topics(roburoc4_simulator: Simulator, robot: Robot) -> Topics:
+    topics = Topics(roburoc4_simulator, robot)
+    topics.step(0.8)
+    return topics
+
+
+def test_a_twist_stamped_drives_for_the_lease(topics: Topics) -> None:
+    topics.send(topics.stamped(0.3, -0.2))
+    topics.step(0.2)
+    assert topics.speeds == (0.3, -0.2)
+    topics.step(0.1)
+    assert topics.speeds == (0.0, 0.0)
+
+
+def test_an_old_stamp_moves_nothing_and_is_told_once(topics: Topics) -> None:
+    for _ in range(40):
+        topics.step(0.05)
+        topics.send(topics.stamped(0.3, age_s=0.3))
+    assert topics.simulator.state.speed_commands == 0
+    assert len(topics.notes) == 1
+    assert topics.notes[0].startswith("cmd_vel of /nav/controller rejected: by its stamp it is 0.3")
+    assert topics.notes[0].count("--max-age-ms") == 2
+
+
+def test_a_stamp_that_comes_again_is_obeyed_until_it_is_too_old(topics: Topics) -> None:
+    message = topics.stamped(0.3)
+    for _ in range(4):
+        topics.send(message)
+        topics.step(0.05)
+    assert topics.speeds == (0.3, 0.0)
+    assert topics.notes == []
+    for _ in range(10):
+        topics.send(message)
+        topics.step(0.05)
+    assert topics.speeds == (0.0, 0.0)
+
+
+def test_a_twist_without_a_stamp_is_as_old_as_dds_says(
+    roburoc4_simulator: Simulator, robot: Robot
+) -> None:
+    topics = Topics(roburoc4_simulator, robot, stamped=False)
+    topics.step(0.8)
+    topics.commands.drive(NAV, twist(0.3), topics.utc_us() - 1_000_000)
+    assert "1.000 s old" in topics.notes[-1]
+    topics.step(0.05)
+    topics.send(twist(0.3))
+    topics.step(0.05)
+    assert topics.speeds == (0.3, 0.0)
+
+
+@pytest.mark.parametrize("axis", ["linear_x", "linear_y", "linear_z", "angular_x", "angular_z"])
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_nan_anywhere_in_a_message_is_refused(topics: Topics, axis: str, value: float) -> None:
+    topics.send(
+        topics.stamped(
+            **({"linear": 0.3} if axis != "linear_x" else {"linear": value}),
+            **({axis: value} if axis != "linear_x" else {}),
+        )
+    )
+    topics.step(0.05)
+    assert topics.simulator.state.speed_commands == 0
+    assert "NaN or infinity" in topics.notes[-1]
+
+
+@pytest.mark.parametrize("speeds", [(300.0, 0.0), (0.0, 45.0), (1e300, 0.0)])
+def test_mistakes_of_units_are_refused(topics: Topics, speeds: tuple[float, float]) -> None:
+    topics.send(topics.stamped(speeds[0], angular=speeds[1]))
+    topics.step(0.1)
+    assert topics.simulator.state.nonzero_speed_commands == 0
+    assert topics.notes
+
+
+def test_speeds_beyond_the_ceilings_are_clamped(topics: Topics) -> None:
+    topics.send(topics.stamped(2.0))
+    topics.step(0.1)
+    assert topics.speeds == (1.0, 0.0)
+
+
+def test_speeds_that_the_robot_cannot_have_are_ignored(topics: Topics) -> None:
+    topics.send(topics.stamped(0.3, linear_y=0.5, linear_z=0.1, angular_x=1.0, angular_y=1.0))
+    topics.step(0.05)
+    assert topics.speeds == (0.3, 0.0)
+    topics.send(topics.stamped(0.0, linear_y=0.5))
+    topics.step(0.05)
+    assert topics.speeds == (0.0, 0.0)
+
+
+def test_a_second_publisher_is_refused_and_both_are_named(topics: Topics) -> None:
+    topics.send(topics.stamped(0.3))
+    topics.step(0.05)
+    topics.send(topics.stamped(-0.3), JOY)
+    topics.step(0.05)
+    assert topics.speeds == (0.3, 0.0)
+    assert topics.notes[-1].startswith("cmd_vel of /teleop rejected: another sender is in control")
+    assert topics.notes[-1].endswith("in control: /nav/controller")
+    assert topics.commands.state.in_control == "/nav/controller"
+
+
+def test_a_name_does_not_command_the_terminal(topics: Topics) -> None:
+    topics.send(topics.stamped(math.nan), Sender("cc", "/evil\x1b[2J\nstopped"))
+    assert topics.notes[-1].startswith("cmd_vel of /evil?[2J?stopped rejected")
+
+
+def test_a_publisher_without_a_node_is_named_by_its_gid(topics: Topics) -> None:
+    topics.send(topics.stamped(math.nan), Sender("010fab", ""))
+    assert "(gid 010fab)" in topics.notes[-1]
+
+
+def test_a_stop_from_anyone_holds_until_all_paused(topics: Topics) -> None:
+    topics.send(topics.stamped(0.3))
+    topics.step(0.05)
+    topics.commands.stop(JOY)
+    topics.step(0.05)
+    assert topics.speeds == (0.0, 0.0)
+    for _ in range(20):
+        topics.send(topics.stamped(0.3))
+        topics.step(0.05)
+    assert topics.speeds == (0.0, 0.0)
+    assert topics.commands.state.stopped_by == "/teleop"
+    topics.step(0.6)
+    topics.send(topics.stamped(0.3))
+    topics.step(0.05)
+    assert topics.speeds == (0.3, 0.0)
+    assert topics.commands.state.stopped_by == ""
+
+
+def test_without_enable_drive_a_stop_is_obeyed_and_nothing_else(
+    roburoc4_simulator: Simulator, robot: Robot
+) -> None:
+    topics = Topics(roburoc4_simulator, robot, enabled=False)
+    topics.step(0.8)
+    topics.send(topics.stamped(0.3))
+    topics.step(0.1)
+    assert topics.simulator.state.speed_commands == 0
+    robot.arm()
+    robot.drive(0.3, 0.0, lease=1.0)
+    topics.step(0.05)
+    topics.commands.stop(JOY)
+    topics.step(0.05)
+    assert topics.speeds == (0.0, 0.0)
+
+
+def test_diagnostics_name_who_drives_and_what_was_rejected(topics: Topics) -> None:
+    assert topics.commands.state.diagnosis("red").message == "commands drive the robot"
+    topics.send(topics.stamped(0.3))
+    topics.send(topics.stamped(0.3), JOY)
+    topics.step(0.05)
+    found = topics.commands.state.diagnosis("red")
+    assert (found.level, found.name) == (1, "red: commands")
+    assert found.message.startswith("rejected: /teleop: another sender is in control")
+    assert found.values["in_control"] == "/nav/controller"
+    assert (found.values["obeyed"], found.values["rejected"]) == ("1", "1")
+    topics.step(6.0)
+    assert topics.commands.state.diagnosis("red").level == 0
+
+
+def test_a_slope_limits_growing_but_not_slowing_down(
+    roburoc4_simulator: Simulator, robot: Robot
+) -> None:
+    topics = Topics(roburoc4_simulator, robot, max_linear_m_s2=0.5)
+    topics.step(0.8)
+    found = []
+    for _ in range(10):
+        topics.send(topics.stamped(1.0))
+        topics.step(0.05)
+        found.append(topics.speeds[0])
+    assert found == pytest.approx([0.025 * n for n in range(1, 11)], abs=0.002)
+    topics.send(topics.stamped(-1.0))
+    topics.step(0.05)
+    assert topics.speeds[0] == pytest.approx(-0.025, abs=0.002)
+    topics.send(topics.stamped(0.0))
+    topics.step(0.05)
+    assert topics.speeds == (0.0, 0.0)
+
+
+def test_a_publisher_slower_than_the_lease_is_told(topics: Topics) -> None:
+    for _ in range(5):
+        topics.send(topics.stamped(0.3))
+        topics.step(0.5)
+    (note,) = topics.notes
+    assert note.startswith("cmd_vel of /nav/controller comes every 500 ms, but holds for 250 ms")
+    assert topics.commands.state.diagnosis("red").message == note
+
+
+def test_a_refusal_names_its_cause(topics: Topics, robot: Robot) -> None:
+    topics.simulator.panel("pad a down")
+    topics.step(0.3)
+    topics.send(topics.stamped(0.3))
+    assert "release [A]" in topics.notes[-1]
+    topics.simulator.panel("pad a up")
+    topics.step(1.0)
+    topics.simulator.set("estop_local", 1)
+    for _ in range(60):
+        topics.send(topics.stamped(0.3))
+        topics.step(0.05)
+    assert "check emergency stops, brakes selector and bumpers" in topics.notes[-1]
+    assert topics.commands.state.diagnosis("red").level == 1
+
+
+def test_a_stop_that_loses_against_another_commander_says_so(topics: Topics) -> None:
+    with topics.simulator.connect() as other:
+        other.arm()
+        for at in range(60):
+            other.drive(0.3, 0.0)
+            topics.step(0.05)
+            if at == 10:
+                topics.commands.stop(JOY)
+    assert any("another commander" in note and "/teleop" in note for note in topics.notes)

@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 ros2 --enable-drive`: other processes drive and stop a robot over DDS."""
+
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cli_support import one_line, run, start
+from robot_support import until
+
+import roburoc4
+from roburoc4 import Simulator
+from roburoc4_ros2.commands import Commands, DriveConfig
+from roburoc4_ros2.listener import Listener
+from roburoc4_ros2.participant import Participant
+from roburoc4_tools.ros.cdr import Cdr
+from roburoc4_tools.ros.published import CMD_VEL, Profile
+
+PERIOD_S = 0.05
+# A publisher as a process of its own, which streams until it is killed.
+STREAM = """
+import sys, time
+from roburoc4_tools.ros.cdr import Cdr
+from roburoc4_ros2.participant import Participant
+from roburoc4_tools.ros.published import Profile
+with_stamp = sys.argv[3] == "stamped"
+participant = Participant(int(sys.argv[1]), interface="lo")
+node = participant.node("/", sys.argv[2])
+kind = "geometry_msgs/TwistStamped" if with_stamp else "geometry_msgs/Twist"
+publisher = node.publisher("cmd_vel", kind, Profile(10))
+participant.announce()
+time.sleep(1.5)
+while True:
+    message = Cdr().header(time.time(), "") if with_stamp else Cdr()
+    publisher.publish(bytes(message.numbers("d", 0.3, 0.0, 0.0, 0.0, 0.0, 0.0).data))
+    time.sleep(0.05)
+"""
+
+
+@pytest.fixture
+def domain(worker_id: str) -> int:
+    """A domain of this process: tests that run beside it must not hear each other."""
+    return 150 + int(worker_id.removeprefix("gw") or 0) if worker_id != "master" else 149
+
+
+class Bridge:
+    """The command, as a process, and what it tells."""
+
+    def __init__(self, domain: int, robot: str, *arguments: str) -> None:
+        options = ("--domain", str(domain), "--interface", "lo", "--enable-drive")
+        self.process = start("ros2", *options, *arguments, robot=robot)
+        self.notes: list[str] = []
+        self._thread = threading.Thread(target=self._read, daemon=True)
+        self._thread.start()
+        assert self.process.stdout is not None
+        assert self.process.stdout.readline()
+
+    def _read(self) -> None:
+        assert self.process.stderr is not None
+        self.notes.extend(iter(self.process.stderr.readline, ""))
+
+    def told(self, text: str) -> bool:
+        return any(text in note for note in self.notes)
+
+
+@pytest.fixture
+def bridge(domain: int, served: Simulator) -> Iterator[Callable[..., Bridge]]:
+    started: list[Bridge] = []
+
+    def start_it(*arguments: str) -> Bridge:
+        started.append(Bridge(domain, served.address, *arguments))
+        until(lambda: started[-1].told("connected to the robot"))
+        return started[-1]
+
+    yield start_it
+    for one in started:
+        if one.process.poll() is None:
+            one.process.kill()
+            one.process.wait()
+
+
+@pytest.fixture
+def stream(domain: int) -> Iterator[Callable[..., "subprocess.Popen[bytes]"]]:
+    started = []
+
+    def start_it(name: str = "planner", kind: str = "stamped") -> "subprocess.Popen[bytes]":
+        command = [sys.executable, "-c", STREAM, str(domain), name, kind]
+        started.append(subprocess.Popen(command))
+        return started[-1]
+
+    yield start_it
+    for one in started:
+        one.kill()
+        one.wait()
+
+
+@pytest.fixture
+def others(domain: int) -> Iterator[Participant]:
+    participant = Participant(domain, interface="lo")
+    yield participant
+    participant.close()
+
+
+def drives(served: Simulator) -> bool:
+    return served.state.last_linear_m_s > 0.29
+
+
+def stands(served: Simulator) -> bool:
+    return served.state.last_linear_m_s == 0 and served.state.target_linear_m_s == 0
+
+
+def test_a_plain_twist_drives_by_option(
+    served: Simulator, bridge: Callable[..., Bridge], stream: Callable[..., Any]
+) -> None:
+    bridge("--twist")
+    stream("planner", "plain")
+    until(lambda: drives(served))
+
+
+def test_stop_is_obeyed_from_any_publisher_and_holds(
+    served: Simulator,
+    bridge: Callable[..., Bridge],
+    stream: Callable[..., Any],
+    others: Participant,
+) -> None:
+    running = bridge()
+    node = others.node("/", "operator")
+    stop = node.publisher("stop", "std_msgs/Empty", Profile(10, reliable=False))
+    others.announce()
+    stream()
+    until(lambda: drives(served))
+    stop.publish(bytes(Cdr().numbers("B", 0).data))
+    until(lambda: stands(served))
+    until(lambda: running.told("stopped by /operator"))
+    before = served.state.nonzero_speed_commands
+    until(lambda: running.told("cmd_vel of /planner rejected"))
+    time.sleep(1.0)
+    assert stands(served)
+    assert served.state.nonzero_speed_commands == before
+
+
+def test_a_stop_sent_before_the_bridge_knew_its_sender_is_obeyed(
+    bridge: Callable[..., Bridge], others: Participant
+) -> None:
+    # Transient local, as `ros2 topic pub --once` sends it.
+    stop = others.node("/", "operator").publisher(
+        "stop", "std_msgs/Empty", Profile(1, latched=True)
+    )
+    stop.publish(bytes(Cdr().numbers("B", 0).data))
+    running = bridge()
+    until(lambda: running.told("stopped by "))
+
+
+def test_a_message_that_is_none_is_refused_and_the_next_drives(
+    served: Simulator, bridge: Callable[..., Bridge], others: Participant
+) -> None:
+    running = bridge()
+    node = others.node("/", "broken")
+    publisher = node.publisher("cmd_vel", "geometry_msgs/TwistStamped", Profile(10))
+    others.announce()
+
+    def send(message: bytes) -> None:
+        publisher.publish(message)
+        time.sleep(PERIOD_S)
+
+    def message(frame: bytes) -> bytes:
+        whole = bytes(Cdr().header(time.time(), "f").numbers("d", 0.3, *[0.0] * 5).data)
+        return whole.replace(b"f\0", frame + b"\0")
+
+    def refused() -> bool:
+        send(message(b"\xff"))  # no UTF-8; what is not CDR at all, DDS drops
+        return running.told("it is not a message")
+
+    def obeyed() -> bool:
+        send(message(b"f"))
+        return drives(served)
+
+    until(refused)
+    time.sleep(1.0)  # the pause that the start of the bridge asks for
+    until(obeyed)
+
+
+def test_a_file_and_options_say_what_drives(
+    served: Simulator, bridge: Callable[..., Bridge], stream: Callable[..., Any], tmp_path: Path
+) -> None:
+    file = tmp_path / "robots.yaml"
+    file.write_text("lease_ms: 400\nmax_linear_m_s: 0.1\n", encoding="utf-8")
+    bridge("--config", str(file))
+    stream()
+    until(lambda: served.state.last_linear_m_s == pytest.approx(0.1))
+
+
+@pytest.mark.parametrize(
+    ("option", "value"), [("--lease-ms", "5"), ("--max-linear", "fast"), ("--max-age-ms", "-1")]
+)
+def test_a_value_that_cannot_be_used_is_named(option: str, value: str) -> None:
+    done = run("ros2", "--enable-drive", f"{option}={value}", "--list")
+    assert done.returncode == 2
+    assert option in one_line(done.stderr)
+
+
+def test_without_dds_the_robot_stands_and_a_person_is_told(domain: int, served: Simulator) -> None:
+    ended, notes = threading.Event(), list[str]()
+    participant = Participant(domain, interface="lo")
+    with roburoc4.connect(served.address) as robot:
+        commands = Commands(robot, DriveConfig(enabled=True), notes.append)
+        listener = Listener(
+            participant, participant.node("/", "x"), commands, [CMD_VEL], notes.append
+        )
+        thread = threading.Thread(target=listener.run, args=(ended,))
+        thread.start()
+        robot.arm()
+        robot.drive(0.3, 0.0, lease=1.0)
+        until(lambda: drives(served))
+        participant.close()
+        until(lambda: stands(served))
+        until(lambda: notes)
+        assert "commands cannot be read" in notes[-1]
+        assert not robot.facts.armed
+        ended.set()
+        thread.join()
+
+
+def test_an_unforeseen_error_stops_the_robot_and_reading_goes_on(
+    domain: int, served: Simulator, others: Participant, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ended, notes, looks = threading.Event(), list[str](), list[float]()
+    with roburoc4.connect(served.address) as robot:
+        commands = Commands(robot, DriveConfig(enabled=True), notes.append)
+
+        def look(*arguments: float) -> None:
+            looks.append(time.monotonic())
+            if len(looks) == 1:
+                raise RuntimeError("odd")
+
+        monkeypatch.setattr(commands, "look", look)
+        listener = Listener(others, others.node("/", "x"), commands, [CMD_VEL], notes.append)
+        robot.arm()
+        thread = threading.Thread(target=listener.run, args=(ended,))
+        thread.start()
+        until(lambda: len(looks) > 2)
+        assert "RuntimeError('odd')" in notes[0]
+        assert not robot.facts.armed
+        ended.set()
+        thread.join()
+
+
+def test_without_enable_drive_nobody_listens_to_cmd_vel(
+    domain: int, served: Simulator, others: Participant
+) -> None:
+    process = start(
+        "ros2", "--domain", str(domain), "--interface", "lo", "--list", robot=served.address
+    )
+    text, _ = process.communicate(timeout=30)
+    subscribed = [line.split()[0] for line in text.splitlines() if "subscribed" in line]
+    assert set(subscribed) == {"/stop"}

@@ -1,0 +1,375 @@
+# SPDX-License-Identifier: MIT
+"""The control alone, in virtual time: whatever pages send and whenever, the lease holds."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from station import until
+
+import roburoc4
+from roburoc4_tools.dashboard.control import (
+    FORGOTTEN_S,
+    IDLE_S,
+    Control,
+    ControlError,
+    Input,
+    Viewer,
+    limits_of,
+)
+from roburoc4_tools.dashboard.going import Goal, Going
+from roburoc4_tools.dashboard.ticks import Ticks
+
+LEASE_S = 0.25
+CYCLE_S = 0.011
+"""Until the simulator's state shows what arrived."""
+
+
+class Scene:
+    """A robot in virtual time, a control, and two pages."""
+
+    def __init__(self, sim: roburoc4.Simulator) -> None:
+        self.sim = sim
+        self.robot = self.sim.connect()
+        self.ticks = Ticks()
+        self.control = Control(self.robot, self.ticks, LEASE_S, offered=True)
+        self.control.limits = limits_of(self.robot, 1.0, 1.0)
+        self.pages = [Viewer(1), Viewer(2)]
+        self.issued_s: dict[int, float] = {}
+
+    def show(self) -> int:
+        """Send both pages a frame."""
+        now_s = self.robot.now_s
+        tick = self.ticks.issue(now_s)
+        self.issued_s[tick] = now_s
+        for page in self.pages:
+            page.sent_tick = tick
+            page.heard_s = now_s
+        return tick
+
+    def drive(self, page: int, tick: int, forward: float) -> None:
+        self.control.drive(self.pages[page], Input(tick, forward, 0.0, 1.0), self.robot.now_s)
+
+    def arm(self) -> None:
+        self.control.take(self.pages[0])
+        self.robot.arm()
+        self.control.arm(self.pages[0], self.show(), self.robot.now_s)
+        self.drive(0, self.show(), 0.0)
+
+    @property
+    def driven(self) -> bool:
+        return self.sim.state.last_linear_m_s != 0.0
+
+
+@pytest.fixture
+def scene() -> Iterator[Scene]:
+    one = Scene(roburoc4.Simulator())
+    with one.sim, one.robot:
+        yield one
+
+
+def test_an_input_holds_until_one_lease_after_its_tick(scene: Scene) -> None:
+    scene.arm()
+    tick = scene.show()
+    scene.sim.step(0.1)
+    scene.drive(0, tick, 0.5)
+    scene.sim.step(0.1)
+    assert scene.driven
+    scene.sim.step(0.05 + CYCLE_S)
+    assert not scene.driven
+
+
+@pytest.mark.parametrize(("forward", "linear_m_s"), [(1.0, 0.5), (-1.0, -0.4)])
+def test_full_deflection_is_the_lower_of_limit_and_ceiling(
+    forward: float, linear_m_s: float
+) -> None:
+    scene = Scene(roburoc4.Simulator(max_linear_m_s=0.5, min_linear_m_s=-0.4))
+    with scene.sim, scene.robot:
+        scene.arm()
+        scene.drive(0, scene.show(), forward)
+        scene.sim.step(0.1)
+        assert scene.sim.state.last_linear_m_s == pytest.approx(linear_m_s, abs=1e-4)
+
+
+def test_an_input_that_is_older_than_the_lease_is_dropped(scene: Scene) -> None:
+    scene.arm()
+    tick = scene.show()
+    scene.sim.step(LEASE_S)
+    scene.drive(0, tick, 0.5)
+    scene.sim.step(0.1)
+    assert not scene.driven
+    assert scene.control.dropped == 1
+
+
+def test_letting_go_pauses_and_stop_disarms(scene: Scene) -> None:
+    scene.arm()
+    scene.drive(0, scene.show(), 0.5)
+    scene.drive(0, scene.show(), 0.0)
+    assert not scene.robot.facts.driving
+    scene.sim.step(5.0)
+    assert scene.robot.facts.armed
+    scene.control.stop(scene.pages[1])
+    assert scene.robot.facts.disarm_cause is roburoc4.Result.STOPPED
+    scene.control.watch(scene.robot.now_s)
+    assert scene.control.why == "STOP was pressed on page 2"
+
+
+def test_inputs_that_end_disarm_a_second_after_the_lease(scene: Scene) -> None:
+    scene.arm()
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(LEASE_S + 1.0 + CYCLE_S)
+    assert scene.robot.facts.disarm_cause is roburoc4.Result.LAPSED
+    scene.control.watch(scene.robot.now_s)
+    assert "too late" in scene.control.why
+    assert "arm()" not in scene.control.why
+
+
+def test_whoever_lets_go_after_a_stall_stays_armed(scene: Scene) -> None:
+    scene.arm()
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(LEASE_S + 0.2)
+    scene.drive(0, scene.show(), 0.5)
+    assert not scene.robot.facts.driving
+    scene.drive(0, scene.show(), 0.0)
+    scene.sim.step(2.0)
+    assert scene.robot.facts.armed
+
+
+def test_a_page_that_leaves_unarmed_takes_the_robot_from_nobody(scene: Scene) -> None:
+    scene.control.take(scene.pages[0])
+    scene.control.leave(scene.pages[0])
+    scene.sim.step(1.0)
+    assert scene.sim.state.speed_commands == 0
+
+
+def test_an_idle_driver_is_relieved_only_while_the_robot_stands(scene: Scene) -> None:
+    scene.arm()
+    driver, other = scene.pages
+    for wait_s, at_rest in ((0.0, True), (IDLE_S / 2, True), (IDLE_S / 2, False)):
+        scene.sim.step(wait_s)
+        with pytest.raises(ControlError, match="page 1 drives: ask for control"):
+            scene.control.relieve(other, scene.robot.now_s, at_rest=at_rest)
+    scene.drive(0, scene.show(), 0.0)
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(2 * LEASE_S)
+    with pytest.raises(ControlError):
+        scene.control.relieve(other, scene.robot.now_s, at_rest=True)
+    scene.sim.step(IDLE_S)
+    scene.control.relieve(other, scene.robot.now_s, at_rest=True)
+    assert scene.control.driver is other
+    assert driver is not other
+    assert not scene.robot.facts.armed
+
+
+def test_another_place_waits_until_the_first_move_has_ended() -> None:
+    under_way: list[float] = []
+
+    def goto(x_m: float, *_: float, speed: float, on_progress: Any, **_rest: object) -> None:
+        if under_way:
+            raise roburoc4.RobotError("a move is under way", roburoc4.Result.STATE)
+        under_way.append(x_m)
+        try:
+            while speed > 0.0:
+                time.sleep(0.1)
+                on_progress(None)
+        finally:
+            under_way.clear()
+
+    robot = cast(roburoc4.Robot, SimpleNamespace(now_s=0.0, goto=goto))
+    first = Going(robot, Goal(1.0, 0.0, 1.0), 0.5, math.inf)
+    until(lambda: under_way == [1.0])
+    first.end()
+    second = Going(robot, Goal(2.0, 0.0, 1.0), 0.5, math.inf, first)
+    until(lambda: under_way == [2.0])
+    second.end()
+    until(lambda: not second.on)
+    assert first.why == second.why == "the move was ended"
+
+
+def test_no_timer_renews(scene: Scene) -> None:
+    scene.arm()
+    scene.drive(0, scene.show(), 0.5)
+    for _ in range(30):
+        scene.show()
+        scene.control.watch(scene.robot.now_s)
+        scene.sim.step(1 / 30)
+    assert not scene.driven
+
+
+def test_a_delay_while_commanding_makes_no_lease_longer(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene.arm()
+    give = scene.robot.drive
+
+    def slowly(linear_m_s: float, angular_rad_s: float, *, lease: float) -> None:
+        scene.sim.step(held_s.pop() if held_s else 0.0)
+        give(linear_m_s, angular_rad_s, lease=lease)
+
+    monkeypatch.setattr(scene.robot, "drive", slowly)
+    held_s = [0.15]
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(0.05)
+    assert scene.driven
+    scene.sim.step(0.05 + CYCLE_S)
+    assert not scene.driven
+    scene.drive(0, scene.show(), 0.0)
+    held_s = [0.24]
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(CYCLE_S)
+    assert not scene.driven
+    assert scene.control.must_let_go
+
+
+def test_arming_again_while_driving_stops(scene: Scene) -> None:
+    scene.arm()
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(0.05)
+    assert scene.driven
+    scene.control.arm(scene.pages[0], scene.show(), scene.robot.now_s)
+    scene.sim.step(2 * CYCLE_S)
+    assert not scene.driven
+
+
+def test_inputs_from_before_arming_are_ignored(scene: Scene) -> None:
+    scene.arm()
+    old = scene.show()
+    scene.control.arm(scene.pages[0], old, scene.robot.now_s)
+    scene.drive(0, old, 0.0)
+    scene.drive(0, old, 0.5)
+    scene.sim.step(0.05)
+    assert not scene.driven
+
+
+def test_arming_needs_a_fresh_tick(scene: Scene) -> None:
+    scene.control.take(scene.pages[0])
+    tick = scene.show()
+    scene.sim.step(LEASE_S)
+    with pytest.raises(ControlError, match="late"):
+        scene.control.arm(scene.pages[0], tick, scene.robot.now_s)
+    assert not scene.robot.facts.armed
+
+
+def test_a_refusal_to_arm_says_why(scene: Scene) -> None:
+    scene.control.take(scene.pages[0])
+    scene.sim.set("pad_a", True)
+    scene.sim.step(0.2)
+    with pytest.raises(ControlError, match=r"release \[A\]"):
+        scene.control.arm(scene.pages[0], scene.show(), scene.robot.now_s)
+
+
+def test_a_driver_that_shows_nothing_for_long_loses_control(scene: Scene) -> None:
+    scene.arm()
+    scene.sim.step(FORGOTTEN_S - 1.0)
+    scene.control.watch(scene.robot.now_s)
+    assert scene.control.driver is scene.pages[0]
+    scene.sim.step(2.0)
+    scene.control.watch(scene.robot.now_s)
+    assert scene.control.driver is None
+    assert not scene.robot.facts.armed
+
+
+def test_after_a_lease_that_ran_out_inputs_must_be_released_once(scene: Scene) -> None:
+    scene.arm()
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(2 * LEASE_S)
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(0.05)
+    assert not scene.driven
+    assert "let go" in scene.control.why
+    scene.drive(0, scene.show(), 0.0)
+    assert scene.control.why == ""
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(0.2)
+    assert scene.driven
+
+
+def test_each_direction_has_its_own_full_deflection() -> None:
+    with roburoc4.Simulator(min_linear_m_s=0.0) as sim, sim.connect() as robot:
+        limits = limits_of(robot, 0.8, 9.0)
+        assert limits.linear_m_s == (0.0, 0.8)
+        assert limits.angular_rad_s == pytest.approx((6.5, 6.5))
+
+
+@pytest.mark.parametrize("high", [math.nan, math.inf, -0.5, None])
+def test_invalid_limits_allow_nothing(high: float | None) -> None:
+    found = None
+    if high is not None:
+        found = SimpleNamespace(
+            min_linear_m_s=-1.0,
+            max_linear_m_s=high,
+            min_angular_rad_s=-1.0,
+            max_angular_rad_s=high,
+        )
+    robot = SimpleNamespace(properties=SimpleNamespace(differential=found))
+    assert limits_of(cast(roburoc4.Robot, robot), 1.0, 1.0) == ((0.0, 0.0), (0.0, 0.0))
+
+
+_STEPS = st.lists(
+    st.one_of(
+        st.tuples(st.just("wait"), st.sampled_from((0.01, 0.03, 0.1, 0.2, 0.3))),
+        st.tuples(st.just("show"), st.just(0.0)),
+        st.tuples(st.just("drive"), st.sampled_from((0.0, 0.5, 1.0, -1.0))),
+        st.tuples(st.just("late"), st.integers(-3, 12)),
+        st.tuples(st.just("other"), st.just(1.0)),
+        st.tuples(st.sampled_from(("arm", "stop", "disarm", "leave", "take", "pad")), st.just(0.0)),
+    ),
+    min_size=5,
+    max_size=60,
+)
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(_STEPS)
+def test_no_speed_outlives_the_lease_of_its_tick(
+    steps: list[tuple[str, float]],
+) -> None:
+    scene = Scene(roburoc4.Simulator())
+    newest_s = float("-inf")  # issue of the newest tick that an accepted speed can answer to
+    with scene.sim, scene.robot:
+        scene.arm()
+        for what, value in steps:
+            page = scene.pages[0]
+            now_s = scene.robot.now_s
+            try:
+                if what == "wait":
+                    scene.sim.step(value)
+                elif what == "show":
+                    scene.show()
+                elif what == "drive":
+                    scene.drive(0, scene.ticks.last, value)
+                    newest_s = max(newest_s, scene.issued_s[scene.ticks.last])
+                elif what == "late":
+                    tick = scene.ticks.last - int(value)
+                    scene.drive(0, tick, 0.7)
+                    newest_s = max(newest_s, scene.issued_s.get(tick, newest_s))
+                elif what == "other":
+                    scene.drive(1, scene.ticks.last, value)
+                elif what == "arm":
+                    scene.control.arm(page, scene.ticks.last, now_s)
+                elif what == "stop":
+                    scene.control.stop(scene.pages[1])
+                elif what == "disarm":
+                    scene.control.disarm(page)
+                elif what == "leave":
+                    scene.control.leave(page)
+                elif what == "take":
+                    scene.control.take(page)
+                else:
+                    scene.sim.set("pad_a", True)
+                    scene.sim.step(0.1)
+                    scene.sim.set("pad_a", False)
+            except ControlError:
+                pass
+            scene.sim.step(CYCLE_S)
+            if scene.driven:
+                assert scene.robot.now_s - newest_s <= LEASE_S + 2 * CYCLE_S
+            if what in ("stop", "disarm", "leave", "pad"):
+                assert not scene.robot.facts.driving

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: MIT
+"""What is kept for pages that open later: of fixed size, and in order."""
+
+import math
+from dataclasses import dataclass
+
+import pytest
+
+from roburoc4.constants import Event
+from roburoc4.notices import texts_of
+from roburoc4_tools.dashboard.history import (
+    BATTERY_EVERY_S,
+    EVENT_ROWS,
+    SPEED_EVERY_S,
+    SPEED_ROWS,
+    History,
+    Ring,
+)
+
+
+def discharged(percent_h: float, rows: int) -> History:
+    history = History()
+    for row in range(rows):
+        time_s = 1e9 + row * BATTERY_EVERY_S
+        history.add_battery(time_s, 80.0 + percent_h * (time_s - 1e9) / 3600.0, 24.0)
+    return history
+
+
+@pytest.mark.parametrize("percent_h", [-12.0, 0.0, 30.0])
+def test_the_battery_s_trend_is_the_slope_of_the_last_minutes(percent_h: float) -> None:
+    assert discharged(percent_h, 5).trend_percent_h() is None
+    assert discharged(percent_h, 200).trend_percent_h() == pytest.approx(percent_h, abs=0.1)
+
+
+def test_a_ring_keeps_the_latest_rows_oldest_first() -> None:
+    ring = Ring(2, 3)
+    assert ring.columns() == [[], []]
+    for value in range(5):
+        ring.append((value, math.nan if value == 3 else -value))
+    assert ring.columns() == [[2.0, 3.0, 4.0], [-2.0, None, -4.0]]
+
+
+def test_history_has_a_fixed_size() -> None:
+    history = History()
+    for row in range(2 * SPEED_ROWS):
+        history.add_speeds(row * SPEED_EVERY_S, (0.0, 0.0, 0.0, 0.0))
+        history.note(row, "plain", "something")
+    assert len(history.speeds) == SPEED_ROWS
+    assert len(history.events) == EVENT_ROWS
+    assert history.events[-1].number == 2 * SPEED_ROWS
+
+
+def test_speeds_are_stored_periodically() -> None:
+    history = History()
+    for row in range(300):
+        history.add_speeds(row * 0.02, (0.0, 0.0, 0.0, 0.0))
+    assert len(history.speeds) == pytest.approx(30, abs=1)
+
+
+def test_a_clock_that_is_set_back_begins_anew() -> None:
+    history = discharged(-12.0, 200)
+    history.add_speeds(2e9, (0.0, 0.0, 0.0, 0.0))
+    history.add_speeds(1e9, (0.0, 0.0, 0.0, 0.0))
+    history.add_speeds(1e9 + 1.0, (0.0, 0.0, 0.0, 0.0))
+    assert history.speeds.columns()[0] == [1e9, 1e9 + 1.0]
+    assert len(history.battery) == 0
+
+
+@dataclass
+class Facts:
+    overridden: bool = False
+    other_commander: bool = False
+    inhibited: bool = False
+
+
+def test_every_event_that_matters_has_words() -> None:
+    told = {text for event in Event for _, text in texts_of(event, Facts(), Facts())}
+    assert len(told) >= 16
+
+
+@pytest.mark.parametrize(
+    ("event", "fact"),
+    [
+        (Event.OVERRIDE, "overridden"),
+        (Event.OTHER_COMMANDER, "other_commander"),
+        (Event.INHIBITED, "inhibited"),
+    ],
+)
+def test_the_end_of_a_danger_is_not_reported_as_the_danger(event: Event, fact: str) -> None:
+    quiet, danger = Facts(), Facts(**{fact: True})
+    begun = texts_of(event, quiet, danger)
+    ended = texts_of(event, danger, quiet)
+    assert [level for level, _ in begun] == ["bad"]
+    assert [level for level, _ in ended] == ["plain"]
+    assert begun[0][1] != ended[0][1]
+    assert texts_of(event, quiet, quiet) == begun + ended, "one that came and went is lost"
+    assert texts_of(event, danger, danger) == begun, "one that went and came is lost"

@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 drive`: a gentle start, the time asked for, and a zero however it ends."""
+
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from cli_support import Terminal, document, last_command_is_zero, one_line, run, start
+from robot_support import until
+
+import roburoc4
+from roburoc4_tools.recordings import open_recording
+
+
+@pytest.fixture
+def sim() -> Iterator[roburoc4.Simulator]:
+    with roburoc4.Simulator(port=0) as simulator:
+        yield simulator
+
+
+def _stands(sim: roburoc4.Simulator) -> bool:
+    state = sim.state
+    return (state.target_linear_m_s, state.target_angular_rad_s) == (0.0, 0.0)
+
+
+def test_it_drives_for_the_time_and_reports(sim: roburoc4.Simulator) -> None:
+    report = document(run("drive", "0.5", "0", "--seconds", "2", "--json", robot=sim.address))
+    # a second up to 0.5 m/s, and a second down
+    assert report["distance_m"] == pytest.approx(0.5, abs=0.05)
+    assert sim.true_pose.x_m == pytest.approx(0.5, abs=0.05)
+    assert report["result"] == "reached"
+    assert set(report) == {
+        "robot",
+        "result",
+        "distance_m",
+        "angle_rad",
+        "remaining_m",
+        "remaining_rad",
+        "pose",
+    }
+    assert set(report["pose"]) == {"x_m", "y_m", "theta_rad"}
+    assert last_command_is_zero(sim)
+
+
+def test_negative_numbers_are_plain_arguments(sim: roburoc4.Simulator) -> None:
+    done = run("drive", "-0.3", "-2e-1", "--seconds", "1.5", robot=sim.address)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("done: ")
+    assert sim.true_pose.x_m < -0.05
+    assert sim.true_pose.theta_rad < -0.01
+
+
+def test_it_accelerates_gently(sim: roburoc4.Simulator) -> None:
+    process = start("drive", "1", "0", "--seconds", "3", robot=sim.address)
+    rest_s = fastest_m_s = 0.0
+    while process.poll() is None:
+        state = sim.state
+        now_s, target_m_s = state.now_us / 1e6, state.target_linear_m_s
+        if state.nonzero_speed_commands == 0:
+            rest_s = now_s
+        assert target_m_s < 0.05 + 0.5 * (now_s - rest_s)
+        fastest_m_s = max(fastest_m_s, target_m_s)
+        time.sleep(0.005)
+    assert 0.5 < fastest_m_s <= 1.0
+    assert process.communicate()[1] == ""
+
+
+def test_a_speed_above_the_limits_is_lowered_and_reported() -> None:
+    with roburoc4.Simulator(port=0, max_linear_m_s=0.2) as sim:
+        done = run("drive", "1", "0", "--seconds", "0.5", "--json", robot=sim.address)
+    assert done.returncode == 0
+    assert "more than the robot allows: using 0.2 m/s" in one_line(done.stderr)
+
+
+@pytest.mark.parametrize(
+    ("number", "code"),
+    [
+        (signal.SIGINT, 130),
+        (signal.SIGQUIT, 131),
+        (signal.SIGTERM, 143),
+        (signal.SIGHUP, 129),
+    ],
+)
+def test_signals_stop_the_robot(sim: roburoc4.Simulator, number: signal.Signals, code: int) -> None:
+    process = start("drive", "0.5", "0.2", "--seconds", "100", robot=sim.address)
+    until(lambda: sim.state.target_linear_m_s > 0.1)
+    process.send_signal(number)
+    _, stderr = process.communicate(timeout=120)
+    assert process.returncode == code
+    assert "the robot has stopped" in one_line(stderr)
+    assert last_command_is_zero(sim)
+    assert _stands(sim)
+
+
+def test_a_second_ctrl_c_does_not_delay_the_zero(sim: roburoc4.Simulator) -> None:
+    process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
+    until(lambda: sim.state.target_linear_m_s > 0.1)
+    for _ in range(3):
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.005)
+    _, stderr = process.communicate(timeout=120)
+    assert process.returncode == 130
+    assert "interrupted" in one_line(stderr)
+    assert last_command_is_zero(sim)
+
+
+def test_if_it_is_killed_the_watchdog_stops_the_robot(sim: roburoc4.Simulator) -> None:
+    process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
+    until(lambda: sim.state.target_linear_m_s > 0.1)
+    process.kill()
+    process.communicate()
+    until(lambda: sim.state.watchdog_tripped)
+    assert _stands(sim)
+
+
+def test_under_override_it_says_so_and_sends_no_speed(sim: roburoc4.Simulator) -> None:
+    sim.set("pad_a", True)
+    done = run("drive", "0.5", "0", "--seconds", "1", robot=sim.address)
+    assert done.returncode == 1
+    assert "[A]" in one_line(done.stderr)
+    assert sim.state.speed_commands == 0
+
+
+def test_an_override_during_the_drive_ends_it(sim: roburoc4.Simulator) -> None:
+    process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
+    until(lambda: sim.state.target_linear_m_s > 0.1)
+    sim.set("pad_a", True)
+    _, stderr = process.communicate(timeout=120)
+    assert process.returncode == 1
+    assert "game pad" in one_line(stderr)
+    assert last_command_is_zero(sim)
+
+
+def test_without_inputs_it_refuses_until_told_to_ignore_them() -> None:
+    with roburoc4.Simulator(port=0, refused_inserts=1 << 2) as sim:
+        refused = run("drive", "0.5", "0", "--seconds", "0.5", robot=sim.address)
+        assert refused.returncode == 1
+        assert "--allow-unknown-override" in one_line(refused.stderr)
+        assert sim.state.speed_commands == 0
+        ignoring = ("drive", "0.5", "0", "--seconds", "1", "--allow-unknown-override")
+        refused = run(*ignoring, robot=sim.address)
+        assert refused.returncode == 1
+        assert "bumper" in refused.stderr.splitlines()[-1]
+        assert "clearance 0" in refused.stderr
+        assert sim.state.nonzero_speed_commands == 0
+        done = run(*ignoring, "--clearance", "0", robot=sim.address)
+        assert done.returncode == 0, done.stderr
+        assert sim.true_pose.x_m > 0.02
+
+
+def test_a_refusal_is_reported_in_the_words_of_the_command() -> None:
+    with roburoc4.Simulator(port=0, max_linear_m_s=float("nan")) as sim:
+        done = run("drive", "0.5", "0", "--seconds", "1", robot=sim.address)
+    assert done.returncode == 1
+    assert "speed limits are not usable" in one_line(done.stderr)
+
+
+def test_an_emergency_stop_ends_it(sim: roburoc4.Simulator) -> None:
+    sim.panel("estop local press")
+    done = run("drive", "0.5", "0", "--seconds", "20", robot=sim.address)
+    assert done.returncode == 1
+    assert "emergency stop" in one_line(done.stderr)
+    assert last_command_is_zero(sim)
+
+
+def test_a_robot_that_is_lost_ends_it(sim: roburoc4.Simulator) -> None:
+    process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
+    until(lambda: sim.state.target_linear_m_s > 0.1)
+    sim.set("power", False)
+    _, stderr = process.communicate(timeout=120)
+    assert process.returncode == 1
+    one_line(stderr)
+
+
+def test_a_person_is_asked_once_with_name_and_address(sim: roburoc4.Simulator) -> None:
+    terminal = Terminal("drive", "0.3", "0", "--seconds", "1", robot=sim.address)
+    terminal.wait_for(rf"robot at {sim.address}.*\[y/N\]")
+    assert sim.state.speed_commands == 0
+    terminal.type("y\n")
+    assert terminal.wait() == 0
+    assert "done: " in terminal.text
+    assert sim.true_pose.x_m > 0.02
+
+
+def test_the_question_shows_the_name_and_the_address(sim: roburoc4.Simulator) -> None:
+    port = sim.address.rpartition(":")[2]
+    terminal = Terminal("drive", "0.3", "0", "--seconds", "1", "--robot", f"localhost:{port}")
+    terminal.wait_for(rf"'localhost:{port}' at {sim.address}")
+    terminal.type("n\n")
+    assert terminal.wait() == 2
+    assert "not confirmed" in terminal.text
+    assert sim.state.speed_commands == 0
+
+
+def test_a_person_sees_the_progress(sim: roburoc4.Simulator) -> None:
+    terminal = Terminal("drive", "0.3", "0", "--seconds", "2", "--yes", robot=sim.address)
+    terminal.wait_for(r"\+0\.\d+ m/s .*of 0\.6 m")
+    assert terminal.wait() == 0
+    assert "[y/N]" not in terminal.text
+
+
+def test_ctrl_z_does_not_suspend_a_drive(sim: roburoc4.Simulator) -> None:
+    terminal = Terminal("drive", "0.3", "0", "--seconds", "2", "--yes", robot=sim.address)
+    until(lambda: sim.state.target_linear_m_s > 0.1)
+    terminal.type("\x1a")
+    assert terminal.wait() == 0
+
+
+def test_a_drive_is_recorded_where_the_variable_says(
+    served: roburoc4.Simulator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "robot" / "recordings"
+    monkeypatch.setenv("ROBUROC4_RECORD", str(folder))
+    done = run("drive", "0.2", "0", "--seconds", "0.5", robot=served.address)
+    assert done.returncode == 0, done.stderr
+    (file,) = folder.iterdir()
+    assert f"recording to {file}" in done.stderr
+    assert len(list(open_recording(file))) > 10
+
+
+def test_a_variable_that_names_no_folder_is_an_error(
+    served: roburoc4.Simulator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("ROBUROC4_RECORD", str(tmp_path / "file"))
+    done = run("drive", "0.2", "0", "--seconds", "0.5", robot=served.address)
+    assert done.returncode == 1
+    assert "ROBUROC4_RECORD" in done.stderr
+    assert served.state.speed_commands == 0

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 move`, `turn`, `goto` and `square`: where they end, and what they report."""
+
+import json
+import math
+import re
+import signal
+from collections.abc import Iterator
+
+import pytest
+from cli_support import Terminal, document, one_line, run, start
+from robot_support import until
+
+import roburoc4
+
+
+@pytest.fixture
+def sim() -> Iterator[roburoc4.Simulator]:
+    with roburoc4.Simulator(port=0, slip=0.0) as simulator:
+        yield simulator
+
+
+def test_move_and_turn_end_where_they_should(sim: roburoc4.Simulator) -> None:
+    report = document(run("move", "0.5", "--json", robot=sim.address))
+    assert report["result"] == "reached"
+    assert report["distance_m"] == pytest.approx(0.5, abs=0.02)
+    assert report["pose"]["x_m"] == pytest.approx(0.5, abs=0.02)
+    report = document(run("turn", "-90deg", "--speed", "1", "--json", robot=sim.address))
+    assert report["angle_rad"] == pytest.approx(-math.pi / 2, abs=0.03)
+    assert sim.true_pose.theta_rad == pytest.approx(-math.pi / 2, abs=0.03)
+    assert sim.state.last_linear_m_s == sim.state.last_angular_rad_s == 0.0
+
+
+def test_goto_and_square_end_where_they_should(sim: roburoc4.Simulator) -> None:
+    process = start("square", "0.2", robot=sim.address)  # half a minute
+    stdout, stderr = process.communicate(timeout=120)
+    assert (process.returncode, stderr) == (0, "")
+    assert re.match(r"done: 0\.(7[6-9]|8[0-4]) m", stdout), stdout
+    assert math.hypot(sim.true_pose.x_m, sim.true_pose.y_m) < 0.05
+    report = document(run("goto", "-0.2", "0", "--json", robot=sim.address))
+    assert report["pose"]["x_m"] == pytest.approx(-0.2, abs=0.02)
+
+
+def test_an_obstacle_ends_it_with_its_document_and_code_1(sim: roburoc4.Simulator) -> None:
+    sim.add_wall(2.0, -1.0, 2.0, 1.0)
+    done = run("move", "3", "--json", robot=sim.address)
+    assert done.returncode == 1
+    assert "telemeter" in one_line(done.stderr)
+    report = json.loads(done.stdout)
+    assert report["result"] == "obstacle"
+    assert 0.2 < report["distance_m"] < 1.0
+    assert sim.state.last_linear_m_s == 0.0
+    assert sim.true_pose.x_m < 2.0 - 0.7 - 0.4
+
+
+def test_the_clearance_and_the_time_can_be_given(sim: roburoc4.Simulator) -> None:
+    sim.add_wall(1.2, -1.0, 1.2, 1.0)
+    done = run("move", "0.2", "--clearance", "0.1", robot=sim.address)
+    assert done.returncode == 0, done.stderr
+    done = run("move", "-5", "--timeout", "1", "--json", robot=sim.address)
+    assert done.returncode == 1
+    assert json.loads(done.stdout)["result"] == "timeout"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("move",),
+        ("move", "nan"),
+        ("move", "1", "--speed", "0"),
+        ("move", "1", "--clearance", "-1"),
+        ("turn", "90degrees"),
+        ("goto", "1"),
+        ("square", "x"),
+        ("move", "10001"),
+        ("square", "20000"),
+        ("square", "0"),
+        ("square", "-1"),
+        ("turn", "90"),
+        ("goto", "1e8", "0"),
+        ("goto", "0", "-1e8"),
+        ("drive", "1", "0", "--seconds", "20000"),
+        ("drive", "0", "10", "--seconds", "1001"),
+    ],
+)
+def test_bad_usage_sends_nothing(sim: roburoc4.Simulator, arguments: tuple[str, ...]) -> None:
+    done = run(*arguments, robot=sim.address)
+    assert done.returncode == 2
+    one_line(done.stderr)
+    assert sim.state.requests == 0
+
+
+def test_a_point_too_far_away_is_named(sim: roburoc4.Simulator) -> None:
+    done = run("goto", "1", "20000", robot=sim.address)
+    assert done.returncode == 2
+    assert "y 20000 m is more than 10 km away" in one_line(done.stderr)
+    assert sim.state.nonzero_speed_commands == 0
+
+
+def test_a_signal_stops_the_robot(sim: roburoc4.Simulator) -> None:
+    process = start("move", "50", robot=sim.address)
+    until(lambda: sim.state.target_linear_m_s > 0.1)
+    process.send_signal(signal.SIGTERM)
+    _, stderr = process.communicate(timeout=120)
+    assert process.returncode == 143
+    assert "the robot has stopped" in one_line(stderr)
+    assert sim.state.last_linear_m_s == 0.0
+
+
+def test_a_person_is_asked_and_sees_the_progress(sim: roburoc4.Simulator) -> None:
+    terminal = Terminal("move", "0.5", robot=sim.address)
+    terminal.wait_for(r"0\.5 m straight.*\[y/N\]")
+    terminal.type("y\n")
+    terminal.wait_for(r"\+0\.\d+ m/s .*of 0\.5 m")
+    assert terminal.wait() == 0
+
+
+def test_a_reader_that_ends_stops_the_robot(sim: roburoc4.Simulator) -> None:
+    process = start("move", "50", "--clearance", "0", "--json", robot=sim.address)
+    assert process.stdout is not None
+    assert process.stderr is not None
+    until(lambda: sim.state.last_linear_m_s > 0)
+    process.stdout.close()
+    assert process.wait(timeout=120) == 1
+    assert process.stderr.read() == ""
+    process.stderr.close()
+    assert sim.state.last_linear_m_s == 0.0
+    assert sim.true_pose.x_m < 20.0
+
+
+@pytest.mark.parametrize("move", [["move", "0.1"], ["turn", "10deg"]])
+def test_a_robot_without_inputs_moves_if_that_is_meant(move: list[str]) -> None:
+    with roburoc4.Simulator(port=0, slip=0.0, digital_inputs=0) as sim:
+        assert run(*move, robot=sim.address).returncode == 1
+        blind = [*move, "--allow-unknown-override"]
+        assert "bumper is not known" in run(*blind, robot=sim.address).stderr
+        assert sim.state.nonzero_speed_commands == 0
+        done = run(*blind, "--clearance", "0", "--json", robot=sim.address)
+        assert document(done)["result"] == "reached"

@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 teleop`: the robot moves while a key is held, and only then."""
+
+import signal
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+from cli_support import Terminal, last_command_is_zero
+from robot_support import until
+
+import roburoc4
+
+RELEASES = "\x1b[?11u\x1b[?62;c"  # a terminal that reports releases
+NO_RELEASES = "\x1b[?62;c"
+ECHO = "\x1b[0n"
+
+
+@pytest.fixture
+def sim() -> Iterator[roburoc4.Simulator]:
+    with roburoc4.Simulator(port=0) as simulator:
+        yield simulator
+
+
+def _teleop(sim: roburoc4.Simulator, answer: str) -> Terminal:
+    terminal = Terminal("teleop", "--yes", robot=sim.address)
+    terminal.wait_for(r"\[c")
+    terminal.type(answer)
+    terminal.wait_for("keys held")
+    return terminal
+
+
+def _press(terminal: Terminal, key: str) -> None:
+    terminal.type(key)
+    terminal.read(0)
+    time.sleep(0.05)
+
+
+def _hold(terminal: Terminal, key: str, seconds: float) -> None:
+    until_s = time.monotonic() + seconds
+    while time.monotonic() < until_s:
+        _press(terminal, key)
+
+
+def _hold_until(terminal: Terminal, key: str, condition: Callable[[], object]) -> None:
+    until(lambda: _press(terminal, key) or condition())
+
+
+def _drives_at(sim: roburoc4.Simulator, linear_m_s: float) -> bool:
+    return sim.state.target_linear_m_s == pytest.approx(linear_m_s, rel=0.2)
+
+
+def _moves(sim: roburoc4.Simulator) -> bool:
+    return sim.state.nonzero_speed_commands > 0
+
+
+def test_a_repeating_key_drives_and_letting_go_stops(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    _hold_until(terminal, "w", lambda: _drives_at(sim, 0.3))
+    until(lambda: last_command_is_zero(sim))
+    terminal.type("x")
+    assert terminal.wait() == 0
+    assert sim.true_pose.x_m > 0.01
+
+
+def test_one_press_lasts_until_a_keyboard_would_repeat(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    terminal.type("a")
+    until(lambda: _moves(sim))
+    until(lambda: last_command_is_zero(sim))
+    assert sim.state.nonzero_speed_commands < 30, "a second and a half, at 50 ms each"
+    terminal.type("x")
+    assert terminal.wait() == 0
+
+
+def test_with_releases_one_press_lasts_until_the_release(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, RELEASES)
+    terminal.type("\x1b[119;1:1u")
+    _hold_until(terminal, ECHO, lambda: _drives_at(sim, 0.3))
+    assert "until let go" in terminal.text
+    terminal.type("\x1b[119;1:3u")
+    _hold_until(terminal, ECHO, lambda: last_command_is_zero(sim))
+    terminal.type("\x1b[120;1:1u")
+    assert terminal.wait() == 0
+
+
+def test_with_releases_a_line_that_hangs_stops(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, RELEASES)
+    terminal.type("\x1b[119;1:1u")
+    until(lambda: _moves(sim))
+    until(lambda: last_command_is_zero(sim))
+    terminal.type("\x1b[99;5u")
+    assert terminal.wait() == 130
+
+
+def test_a_window_that_loses_the_keyboard_stops(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, RELEASES)
+    terminal.type("\x1b[119;1:1u")
+    _hold_until(terminal, ECHO, lambda: _moves(sim))
+    terminal.type("\x1b[O")
+    _hold_until(terminal, ECHO, lambda: last_command_is_zero(sim))
+    terminal.type("\x1b[120u")
+    assert terminal.wait() == 0
+
+
+def test_the_scale_of_speed_is_a_key_away(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    terminal.type("---")
+    _hold_until(terminal, "s", lambda: _drives_at(sim, -0.1))
+    terminal.type("+++++++")
+    terminal.wait_for(r"1\.0 m/s  1\.0 rad/s")
+    terminal.type("x")
+    assert terminal.wait() == 0
+
+
+def test_override_is_shown_and_ends_with_a_new_press(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    sim.set("pad_a", True)
+    terminal.wait_for("● OVERRIDE")
+    _hold(terminal, "w", 0.5)
+    assert sim.state.nonzero_speed_commands == 0
+    sim.set("pad_a", False)
+    _hold(terminal, "w", 0.5)
+    assert sim.state.nonzero_speed_commands == 0, "the key is still that of before"
+
+    def moves_with_a_new_press() -> bool:
+        time.sleep(1.0)
+        terminal.read(0)
+        _hold(terminal, "w", 1.0)
+        return _moves(sim)
+
+    until(moves_with_a_new_press)
+    terminal.type("x")
+    assert terminal.wait() == 0
+
+
+def test_keys_that_waited_behind_a_frozen_terminal_do_not_drive(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    terminal.type("+++")
+    terminal.wait_for(r"1\.0 m/s  1\.0 rad/s")
+    terminal.type("\x13")  # Ctrl-S: what it shows waits, and so does the program
+    time.sleep(0.5)
+    terminal.type("w")
+    time.sleep(1.5)
+    terminal.type("\x11")
+    for _ in range(20):
+        terminal.read(0.05)
+    assert sim.state.nonzero_speed_commands == 0
+    _hold_until(terminal, "w", lambda: _moves(sim))
+    terminal.type("x")
+    assert terminal.wait() == 0
+
+
+def test_space_stops(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    _hold_until(terminal, "w", lambda: _moves(sim))
+    terminal.type(" ")
+    before = sim.state.nonzero_speed_commands
+    until(lambda: last_command_is_zero(sim))
+    assert sim.state.nonzero_speed_commands - before < 10, "sooner than by letting go"
+    terminal.wait_for("press enter to drive again")
+    before = sim.state.nonzero_speed_commands
+    _hold(terminal, "w", 1.0)
+    assert sim.state.nonzero_speed_commands == before
+    terminal.type("\n")
+
+    def moves_with_a_new_press() -> bool:
+        time.sleep(1.0)
+        terminal.read(0)
+        _hold(terminal, "w", 1.0)
+        return sim.state.nonzero_speed_commands > before
+
+    until(moves_with_a_new_press)
+    terminal.type("x")
+    assert terminal.wait() == 0
+
+
+def test_a_lost_robot_is_reported_in_words_for_drivers(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    sim.set("power", False)
+    terminal.wait_for("not armed|not ready|not connected")
+    terminal.wait_for("lost")
+    terminal.type("x")
+    assert terminal.wait() == 1
+    assert "power and cable" in terminal.text
+    assert "arm()" not in terminal.text
+    assert ".link" not in terminal.text
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+def test_signals_stop_the_robot_and_restore_the_terminal(
+    sim: roburoc4.Simulator, number: signal.Signals, code: int
+) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    _hold_until(terminal, "w", lambda: _moves(sim))
+    terminal.send_signal(number)
+    assert terminal.wait() == code
+    assert last_command_is_zero(sim)
+    assert "\x1b[<u" in terminal.text
+    assert "\x1b[?1004l" in terminal.text
+
+
+def test_ctrl_c_stops_the_robot(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    _hold_until(terminal, "w", lambda: _moves(sim))
+    terminal.type("\x03")
+    assert terminal.wait() == 130
+    assert last_command_is_zero(sim)
+
+
+def test_a_person_is_asked_with_name_and_address(sim: roburoc4.Simulator) -> None:
+    terminal = Terminal("teleop", robot=sim.address)
+    terminal.wait_for(rf"robot at {sim.address}.*\[y/N\]")
+    terminal.type("n\n")
+    assert terminal.wait() == 2
+    assert sim.state.speed_commands == 0
+
+
+def test_it_does_not_start_under_override(sim: roburoc4.Simulator) -> None:
+    sim.set("pad_a", True)
+    terminal = Terminal("teleop", "--yes", robot=sim.address)
+    assert terminal.wait() == 1
+    assert "[A]" in terminal.text
+    assert sim.state.speed_commands == 0

@@ -1,0 +1,284 @@
+# SPDX-License-Identifier: MIT
+"""A wrong command line: one line, exit code 2, and the robot is not contacted."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from cli_support import COMMAND, environment, one_line, run, start
+
+import roburoc4
+
+BAD = {
+    "nothing": [],
+    "unknown command": ["fly"],
+    "unknown option": ["info", "--quick"],
+    "abbreviation": ["monitor", "--sec", "1"],
+    "too many": ["info", "more"],
+    "drive: too few": ["drive", "0.5"],
+    "drive: no time": ["drive", "0.5", "0"],
+    "drive: nan": ["drive", "nan", "0", "--seconds", "1"],
+    "drive: inf": ["drive", "0", "inf", "--seconds", "1"],
+    "drive: -inf": ["drive", "-inf", "0", "--seconds", "1"],
+    "drive: -nan": ["drive", "0", "-nan", "--seconds", "1"],
+    "drive: larger than a float": ["drive", "1e39", "0", "--seconds", "1"],
+    "drive: word": ["drive", "fast", "0", "--seconds", "1"],
+    "drive: negative time": ["drive", "0.5", "0", "--seconds", "-1"],
+    "drive: no time at all": ["drive", "0.5", "0", "--seconds", "0"],
+    "drive: nan time": ["drive", "0.5", "0", "--seconds", "nan"],
+    "drive: endless": ["drive", "0.5", "0", "--seconds", "inf"],
+    "monitor: negative time": ["monitor", "--seconds", "-1"],
+    "monitor: nan time": ["monitor", "--seconds=nan"],
+    "record: negative time": ["record", "file.csv", "--seconds", "-0.5"],
+    "doctor: endless": ["doctor", "--seconds", "inf"],
+    "relocalize: nan": ["relocalize", "nan", "0", "0"],
+    "relocalize: -inf": ["relocalize", "0", "0", "-inf"],
+    "output: reserved": ["output", "0", "on"],
+    "output: negative": ["output", "-1", "on"],
+    "output: maybe": ["output", "1", "maybe"],
+    "teleop: no terminal": ["teleop"],
+}
+
+
+@pytest.mark.parametrize("arguments", BAD.values(), ids=BAD.keys())
+def test_a_bad_command_line_is_one_line_and_sends_nothing(arguments: list[str]) -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        done = run(*arguments, robot=sim.address)
+        assert done.returncode == 2
+        assert done.stdout == ""
+        assert "--help" in one_line(done.stderr) or "terminal" in done.stderr
+        assert sim.state.requests == 0
+
+
+@pytest.mark.parametrize("robot", ["", ":60000", "robot:0", "robot:70000", "a b", "[::1"])
+@pytest.mark.parametrize("command", [["info"], ["doctor"], ["stop"]])
+def test_a_bad_address_is_bad_usage(command: list[str], robot: str) -> None:
+    done = run(*command, "--robot", robot)
+    assert done.returncode == 2
+    one_line(done.stderr)
+
+
+def test_help_and_version_are_no_errors() -> None:
+    done = run("--help")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "roburoc4 sim" in done.stdout
+    for command in (
+        "info",
+        "monitor",
+        "drive",
+        "teleop",
+        "stop",
+        "output",
+        "relocalize",
+        "doctor",
+        "record",
+        "sim",
+    ):
+        assert command in done.stdout
+        one = run(command, "--help")
+        assert (one.returncode, one.stderr) == (0, ""), one.stderr
+        assert "usage: roburoc4" in one.stdout.lower()
+    assert run("--version").stdout == f"roburoc4 {roburoc4.__version__}\n"
+
+
+def test_the_address_may_stand_anywhere() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        assert run("--robot", sim.address, "stop").returncode == 0
+        assert run("stop", "--robot", sim.address).returncode == 0
+        assert run("stop", robot=sim.address).returncode == 0
+
+
+@pytest.mark.parametrize("command", [["info"], ["monitor", "--seconds", "1"], ["stop"]])
+def test_an_absent_robot_exits_3_and_says_what_to_check(command: list[str]) -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        address = sim.address
+    done = run(*command, "--robot", address)
+    assert done.returncode == 3
+    assert "check" in one_line(done.stderr)
+    assert address in done.stderr
+
+
+def test_an_unknown_name_exits_3() -> None:
+    done = run("info", "--robot", "no-such-robot.invalid")
+    assert done.returncode == 3
+    assert one_line(done.stderr).count("no-such-robot.invalid") == 1
+
+
+@pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_signals_end_it_while_it_still_connects(name: str, code: int) -> None:
+    import signal
+    import socket
+    import time
+
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as silent:
+        silent.bind(("127.0.0.1", 0))
+        process = start("info", robot=f"127.0.0.1:{silent.getsockname()[1]}")
+        silent.recv(100)
+        time.sleep(0.1)
+        process.send_signal(getattr(signal, name))
+        _, stderr = process.communicate(timeout=120)
+    assert (process.returncode, stderr) == (code, "")
+
+
+def test_without_rich_it_says_what_to_install() -> None:
+    program = "import sys; sys.modules['rich'] = None; from roburoc4_tools.cli import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", program, "--help"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, "help needs nothing but Python"
+
+
+def test_it_starts_quickly() -> None:
+    program = (
+        "import sys; from roburoc4_tools.cli.app import parser; parser();"
+        "print([name for name in ('rich', 'asyncio', 'numpy') if name in sys.modules])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "[]\n"
+
+
+def test_a_module_that_is_missing_is_named() -> None:
+    program = (
+        "import sys; sys.modules['rich.console'] = None; sys.modules['rich'] = None;"
+        "sys.argv = ['roburoc4', 'info', '--robot', sys.argv[1]];"
+        "from roburoc4_tools.cli import main; main()"
+    )
+    with roburoc4.Simulator(port=0) as sim:
+        done = subprocess.run(
+            [sys.executable, "-c", program, sim.address],
+            capture_output=True,
+            text=True,
+            env=environment(),
+            check=False,
+        )
+    assert done.returncode == 2
+    assert "pip install ./bindings/python ./tools" in one_line(done.stderr)
+
+
+def _shell(line: str, robot: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        line.replace("roburoc4", COMMAND),
+        shell=True,
+        env=environment(robot),
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "roburoc4 --help | true",
+        "roburoc4 info | true",
+        "roburoc4 info >&-",
+        "roburoc4 stop 2>&-",
+        "roburoc4 drive 0 0 --seconds 0.1 <&-",
+        "roburoc4 drive 0 0 --seconds 0.1 --json | true",
+        "PYTHONIOENCODING=ascii roburoc4 info | cat",
+    ],
+)
+def test_it_stays_quiet_whatever_the_shell_does_to_its_streams(line: str) -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        done = _shell(line, sim.address)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("command", ["info", "monitor --json", "doctor --json --seconds 1"])
+def test_a_full_disk_is_one_line(command: str) -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        done = _shell(f"roburoc4 {command} > /dev/full", sim.address)
+    assert done.returncode == 1
+    assert "free some space" in one_line(done.stderr)
+
+
+def test_an_unexpected_error_is_one_line() -> None:
+    program = (
+        "import sys; import roburoc4_tools.cli.info as info;"
+        "info.names_of = lambda robot: 1 / 0;"
+        "sys.argv = ['roburoc4', 'info'];"
+        "from roburoc4_tools.cli import main; main()"
+    )
+    with roburoc4.Simulator(port=0) as sim:
+        env = environment(sim.address)
+        command = [sys.executable, "-c", program]
+        done = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
+        debug = env | {"ROBUROC4_DEBUG": "1"}
+        loud = subprocess.run(command, env=debug, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "ZeroDivisionError" in one_line(done.stderr)
+    assert "Traceback" in loud.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"), [(["mon"], "monitor"), (["drive", "--sec"], "--seconds")]
+)
+def test_bash_completes_commands_and_options(words: list[str], expected: str) -> None:
+    script = run("completion", "bash").stdout
+    line = " ".join(["roburoc4", *words])
+    before, last = (["roburoc4", *words][-2], words[-1])
+    asked = (
+        f"COMP_WORDS=({line}); COMP_CWORD={len(words)}; COMP_LINE='{line}'\n"
+        "complete_with=$(complete -p roburoc4 | sed 's/.*-F \\([^ ]*\\).*/\\1/')\n"
+        f'"$complete_with" roburoc4 "{last}" "{before}"\n'
+        'echo "${COMPREPLY[@]}"\n'
+    )
+    done = subprocess.run(
+        ["bash", "-c", script + asked], capture_output=True, text=True, check=True, timeout=20
+    )
+    assert done.stdout.split() == [expected]
+
+
+@pytest.mark.parametrize("shell", ["zsh", "tcsh", "fish"])
+def test_other_shells_have_a_completion_script(shell: str) -> None:
+    done = run("completion", shell)
+    assert done.returncode == 0
+    assert "monitor" in done.stdout
+
+
+def test_fish_completes_commands_options_and_choices(tmp_path: Path) -> None:
+    script = run("completion", "fish").stdout
+    assert "-n __fish_use_subcommand -a monitor -d 'show what" in script
+    assert "'__fish_seen_subcommand_from move' -l speed -r -d" in script
+    assert "'__fish_seen_subcommand_from move' -l yes -s y -d" in script
+    assert "'__fish_seen_subcommand_from completion' -f -a 'bash zsh tcsh fish'" in script
+    if (fish := shutil.which("fish")) is None:
+        return
+    file = tmp_path / "roburoc4.fish"
+    file.write_text(script)
+    for line, expected in {"roburoc4 moni": "monitor", "roburoc4 move --sp": "--speed"}.items():
+        done = subprocess.run(
+            [fish, "--no-config", "-c", f"source {file}; complete -C '{line}'"],
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=60,
+        )
+        assert done.stdout.split("\t")[0] == expected, done.stderr
+
+
+@pytest.mark.parametrize(
+    "arguments", [["info", "--quick"], ["move", "1", "--far"], ["info", "more"], ["drive", "1"]]
+)
+def test_an_error_names_the_help_of_the_command(arguments: list[str]) -> None:
+    assert f"see roburoc4 {arguments[0]} --help" in one_line(run(*arguments).stderr)
+
+
+def test_ros2_without_its_package_says_what_installs_it(tmp_path: Path) -> None:
+    (tmp_path / "roburoc4_ros2.py").write_text("raise ModuleNotFoundError(name='roburoc4_ros2')\n")
+    program = "from roburoc4_tools.cli import main; main()"
+    for arguments in ([], ["--list"], ["--robot", "red=10.0.0.1"], ["--help"]):
+        done = subprocess.run(
+            [sys.executable, "-c", program, "ros2", *arguments],
+            env=environment("127.0.0.1:9") | {"PYTHONPATH": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 2, arguments
+        assert "pip install ./bindings/python ./tools ./ros2" in one_line(done.stderr)

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: MIT
+"""The pages show what there is: commands, options, the names of the reference."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+import reference
+
+from roburoc4_tools.cli.app import parser
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+PAGES = [DOCS / name for name in ("cli.md", "dashboard.md", "ros2.md", "recording.md")]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_the_parser_accepts_each_command_of_a_page(page: Path) -> None:
+    shell = re.findall(r"^```(?:sh|console)\n(.*?)^```$", page.read_text("utf-8"), re.M | re.S)
+    commands = re.findall(r"^(?:\$ )?roburoc4 ([^&>|\n]*)", "\n".join(shell), re.M)
+    assert commands
+    for command in commands:
+        _, unknown = parser().parse_known_args(shlex.split(command, comments=True))
+        assert not unknown or command.startswith("sim "), command
+
+
+def test_the_reference_is_what_the_package_says() -> None:
+    text = (DOCS / "python-api.md").read_text(encoding="utf-8")
+    assert text == reference.page(), "run tests/reference.py"
+
+
+def test_the_reference_shows_what_must_be_named() -> None:
+    text = reference.page()
+    assert "`drive(linear_m_s, angular_rad_s, *, lease=None)`" in text
+    assert "`rest(*, timeout=None)`" in text
+    assert "timeout=10.0, wait=True" in text
+    assert "`connect(host='192.168.0.2', *, timeout" in text
+
+
+def test_the_manual_page_has_every_command_and_option() -> None:
+    text = (DOCS / "man" / "roburoc4.1").read_text(encoding="utf-8").replace("\\-", "-")
+    (commands,) = [action for action in parser()._actions if isinstance(action.choices, dict)]
+    for name, command in commands.choices.items():
+        assert f"'roburoc4 {name}'" in text, "run tests/reference.py"
+        options = {option for action in command._actions for option in action.option_strings}
+        missing = [option for option in options - {"-h", "--help"} if option not in text]
+        assert not missing, f"{name}: {missing}: run tests/reference.py"
