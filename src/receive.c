@@ -135,7 +135,7 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
             forget_override(c);
             if (c->private_state != ROBUROC4_STATE_CLOSING) {
                 roburoc4_lifecycle_reboot(c);
-                roburoc4_link_overhear(l, robot_cycles, c->private_now_us);
+                roburoc4_link_overhear(l, robot_cycles, c->private_timer.now_us);
             }
         }
         return false;
