@@ -337,7 +337,7 @@ static bool speed_due(const drive *d, const roburoc4_config *config, timer *t) {
            due(t, d->sent_us, pause_us(d, config));
 }
 
-static void note_speeds(drive *d, const float *speeds, uint64_t now_us) {
+static void note_sent(drive *d, const float *speeds, uint64_t now_us) {
     d->changed = 0;
     if (!is_zero(speeds[LINEAR]) || !is_zero(speeds[ANGULAR])) {
         d->nonzero_sent = 1;
@@ -358,7 +358,7 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
     }
     if (!d->stopping) {
         shape(d, config, limits, speeds);
-        note_speeds(d, speeds, t->now_us);
+        note_sent(d, speeds, t->now_us);
     }
     d->sent_us = t->now_us;
     memcpy(d->sent, speeds, sizeof d->sent);
