@@ -4,8 +4,8 @@
 # Shared by the scripts: installing packages, configuring build folders of any generator, and
 # running stages.
 #
-# Lists of packages are split into words:
-# shellcheck disable=SC2086
+# Lists of packages are split into words; apt-get's formats contain dollar signs:
+# shellcheck disable=SC2016,SC2086
 
 LC_ALL=C
 export LC_ALL
@@ -135,6 +135,29 @@ $install"
         fail "could not install these packages (all of it: build/packages.log)"
     fi
     missing=
+}
+
+# debian_source FOLDER PACKAGE: unpack a Debian package's upstream source in FOLDER. The lists of sources
+# are fetched into it, as the system's seldom include them; nothing is installed.
+debian_source() {
+    have apt-get || fail "needs apt-get to download Debian's source of $2"
+    source_folder=$(mkdir -p "$1" && cd "$1" && pwd)
+    mkdir -p "$source_folder/parts" "$source_folder/lists/partial" "$source_folder/cache/archives/partial"
+    for origin in Debian Ubuntu; do
+        apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' "Origin: $origin"
+    done | sort -u >"$source_folder/parts/sources.list"
+    [ -s "$source_folder/parts/sources.list" ] || fail "apt-get has no lists of packages: run apt-get update first"
+    source_apt update
+    (cd "$source_folder" && source_apt source --download-only "$2")
+    for archive in "$source_folder/$2"_*.orig.tar.*; do
+        tar -xf "$archive" -C "$source_folder"
+    done
+}
+
+source_apt() {
+    apt-get -o Dir::Etc::sourcelist=/dev/null -o "Dir::Etc::sourceparts=$source_folder/parts" \
+        -o "Dir::State::lists=$source_folder/lists" -o "Dir::Cache=$source_folder/cache" \
+        -o APT::Sandbox::User= "$@"
 }
 
 # ---------------------------------------------------------------------- tests and builds
