@@ -132,20 +132,6 @@ def test_nan_anywhere_in_a_message_is_refused(topics: Topics, axis: str, value: 
     assert "NaN or infinity" in topics.notes[-1]
 
 
-@pytest.mark.parametrize("speeds", [(300.0, 0.0), (0.0, 45.0), (1e300, 0.0)])
-def test_mistakes_of_units_are_refused(topics: Topics, speeds: tuple[float, float]) -> None:
-    topics.send(topics.stamped(speeds[0], angular=speeds[1]))
-    topics.step(0.1)
-    assert topics.simulator.state.nonzero_speed_commands == 0
-    assert topics.notes
-
-
-def test_speeds_beyond_the_ceilings_are_clamped(topics: Topics) -> None:
-    topics.send(topics.stamped(2.0))
-    topics.step(0.1)
-    assert topics.speeds == (1.0, 0.0)
-
-
 def test_speeds_that_the_robot_cannot_have_are_ignored(topics: Topics) -> None:
     topics.send(topics.stamped(0.3, linear_y=0.5, linear_z=0.1, angular_x=1.0, angular_y=1.0))
     topics.step(0.05)

@@ -114,36 +114,6 @@ def stands(served: Simulator) -> bool:
     return served.state.last_linear_m_s == 0 and served.state.target_linear_m_s == 0
 
 
-def test_a_plain_twist_drives_by_option(
-    served: Simulator, bridge: Callable[..., Bridge], stream: Callable[..., Any]
-) -> None:
-    bridge("--twist")
-    stream("planner", "plain")
-    until(lambda: drives(served))
-
-
-def test_stop_is_obeyed_from_any_publisher_and_holds(
-    served: Simulator,
-    bridge: Callable[..., Bridge],
-    stream: Callable[..., Any],
-    others: Participant,
-) -> None:
-    running = bridge()
-    node = others.node("/", "operator")
-    stop = node.publisher("stop", "std_msgs/Empty", Profile(10, reliable=False))
-    others.announce()
-    stream()
-    until(lambda: drives(served))
-    stop.publish(bytes(Cdr().numbers("B", 0).data))
-    until(lambda: stands(served))
-    until(lambda: running.told("stopped by /operator"))
-    before = served.state.nonzero_speed_commands
-    until(lambda: running.told("cmd_vel of /planner rejected"))
-    time.sleep(1.0)
-    assert stands(served)
-    assert served.state.nonzero_speed_commands == before
-
-
 def test_a_stop_sent_before_the_bridge_knew_its_sender_is_obeyed(
     bridge: Callable[..., Bridge], others: Participant
 ) -> None:
@@ -248,14 +218,3 @@ def test_an_unforeseen_error_stops_the_robot_and_reading_goes_on(
         assert not robot.facts.armed
         ended.set()
         thread.join()
-
-
-def test_without_enable_drive_nobody_listens_to_cmd_vel(
-    domain: int, served: Simulator, others: Participant
-) -> None:
-    process = start(
-        "ros2", "--domain", str(domain), "--interface", "lo", "--list", robot=served.address
-    )
-    text, _ = process.communicate(timeout=30)
-    subscribed = [line.split()[0] for line in text.splitlines() if "subscribed" in line]
-    assert set(subscribed) == {"/stop"}

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import pytest
 from processes import Program, Robot, drives, first_zero_us, until
-from ros import TWIST_STAMPED, Listener, Node, Publisher, twist_stamped
+from ros import Listener, Node, Publisher
 
 StartNode = Callable[..., Node]
 Drive = Callable[..., Program]
@@ -74,21 +74,3 @@ def test_a_killed_node_leaves_the_robot_to_its_watchdog(
     driven.signal(signal.SIGKILL)
     until(lambda: robot.speeds()[2] == 0, "the robot's watchdog trips", 2.0)
     until(robot.stands, "the robot stands")
-
-
-def test_after_the_game_pad_a_stream_must_pause(
-    robot: Robot, driven: Node, publish: Publish
-) -> None:
-    stream = publish("rt/cmd_vel", TWIST_STAMPED)
-    stream.stream_until(robot.tap.moves, lambda: twist_stamped(0.3))
-    stream.stream(1, lambda: twist_stamped(0.3))
-    assert robot.tap.moves()
-    robot.tell("pad a down")
-    stream.stream(1, lambda: twist_stamped(0.3))
-    robot.tell("pad a up")
-    released_us = now_us()
-    stream.stream(1.5, lambda: twist_stamped(0.3))
-    assert not robot.tap.moves(released_us), "it went on by itself"
-    time.sleep(1)
-    stream.stream(1, lambda: twist_stamped(0.3))
-    assert robot.tap.moves(released_us), "after a pause it drives again"

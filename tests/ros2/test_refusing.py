@@ -4,7 +4,6 @@
 import time
 from collections.abc import Callable
 
-import pytest
 from processes import Program, Robot, until
 from ros import STORE, TWIST_STAMPED, Listener, Node, Publisher, twist_stamped
 
@@ -21,19 +20,6 @@ def test_without_enable_drive_nobody_subscribes(
     time.sleep(1)
     assert not [e for e in listener.of_node() if e.kind == "reader" and "cmd_vel" in e.topic]
     assert not robot.tap.commands(), "a node that only watches sends no command"
-
-
-@pytest.mark.parametrize("age_s", [1.0, 3600.0, -3600.0])
-def test_stamps_of_another_time_move_nothing(
-    robot: Robot, driven: Node, publish: Publish, age_s: float
-) -> None:
-    commands = publish("rt/cmd_vel", TWIST_STAMPED)
-    # It says why nothing moves.
-    commands.stream_until(
-        lambda: "cmd_vel" in driven.output, lambda: twist_stamped(0.3, age_s=age_s)
-    )
-    commands.stream(1, lambda: twist_stamped(0.3, age_s=age_s))
-    assert not robot.tap.moves()
 
 
 def test_a_replayed_recording_moves_nothing(robot: Robot, driven: Node, publish: Publish) -> None:
@@ -71,17 +57,6 @@ def test_a_broken_payload_moves_nothing_and_ends_nothing(
     time.sleep(1)
     publish("rt/cmd_vel", TWIST_STAMPED).stream_until(robot.tap.moves, lambda: twist_stamped(0.3))
     assert robot.tap.moves(), "it still drives"
-
-
-def test_a_second_publisher_is_refused_and_named(
-    robot: Robot, driven: Node, drive: Drive, publish: Publish
-) -> None:
-    drive("speed", 0.3, 0)
-    until(robot.tap.moves, "the first drives")
-    second = publish("rt/cmd_vel", TWIST_STAMPED)
-    second.stream_until(lambda: "control" in driven.output, lambda: twist_stamped(-0.5))
-    second.stream(1, lambda: twist_stamped(-0.5))
-    assert all(command.linear_m_s >= 0 for command in robot.tap.commands())
 
 
 def test_a_plain_twist_is_refused_unless_asked_for(

@@ -106,33 +106,6 @@ def test_a_second_ctrl_c_does_not_delay_the_zero(sim: roburoc4.Simulator) -> Non
     assert last_command_is_zero(sim)
 
 
-def test_if_it_is_killed_the_watchdog_stops_the_robot(sim: roburoc4.Simulator) -> None:
-    process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
-    until(lambda: sim.state.target_linear_m_s > 0.1)
-    process.kill()
-    process.communicate()
-    until(lambda: sim.state.watchdog_tripped)
-    assert _stands(sim)
-
-
-def test_under_override_it_says_so_and_sends_no_speed(sim: roburoc4.Simulator) -> None:
-    sim.set("pad_a", True)
-    done = run("drive", "0.5", "0", "--seconds", "1", robot=sim.address)
-    assert done.returncode == 1
-    assert "[A]" in one_line(done.stderr)
-    assert sim.state.speed_commands == 0
-
-
-def test_an_override_during_the_drive_ends_it(sim: roburoc4.Simulator) -> None:
-    process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
-    until(lambda: sim.state.target_linear_m_s > 0.1)
-    sim.set("pad_a", True)
-    _, stderr = process.communicate(timeout=120)
-    assert process.returncode == 1
-    assert "game pad" in one_line(stderr)
-    assert last_command_is_zero(sim)
-
-
 def test_without_inputs_it_refuses_until_told_to_ignore_them() -> None:
     with roburoc4.Simulator(port=0, refused_inserts=1 << 2) as sim:
         refused = run("drive", "0.5", "0", "--seconds", "0.5", robot=sim.address)
@@ -148,30 +121,6 @@ def test_without_inputs_it_refuses_until_told_to_ignore_them() -> None:
         done = run(*ignoring, "--clearance", "0", robot=sim.address)
         assert done.returncode == 0, done.stderr
         assert sim.true_pose.x_m > 0.02
-
-
-def test_a_refusal_is_reported_in_the_words_of_the_command() -> None:
-    with roburoc4.Simulator(port=0, max_linear_m_s=float("nan")) as sim:
-        done = run("drive", "0.5", "0", "--seconds", "1", robot=sim.address)
-    assert done.returncode == 1
-    assert "speed limits are not usable" in one_line(done.stderr)
-
-
-def test_an_emergency_stop_ends_it(sim: roburoc4.Simulator) -> None:
-    sim.panel("estop local press")
-    done = run("drive", "0.5", "0", "--seconds", "20", robot=sim.address)
-    assert done.returncode == 1
-    assert "emergency stop" in one_line(done.stderr)
-    assert last_command_is_zero(sim)
-
-
-def test_a_robot_that_is_lost_ends_it(sim: roburoc4.Simulator) -> None:
-    process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
-    until(lambda: sim.state.target_linear_m_s > 0.1)
-    sim.set("power", False)
-    _, stderr = process.communicate(timeout=120)
-    assert process.returncode == 1
-    one_line(stderr)
 
 
 def test_a_person_is_asked_once_with_name_and_address(sim: roburoc4.Simulator) -> None:

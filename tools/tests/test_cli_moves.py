@@ -4,11 +4,10 @@
 import json
 import math
 import re
-import signal
 from collections.abc import Iterator
 
 import pytest
-from cli_support import Terminal, document, one_line, run, start
+from cli_support import document, one_line, run, start
 from robot_support import until
 
 import roburoc4
@@ -97,24 +96,6 @@ def test_a_point_too_far_away_is_named(sim: roburoc4.Simulator) -> None:
     assert sim.state.nonzero_speed_commands == 0
 
 
-def test_a_signal_stops_the_robot(sim: roburoc4.Simulator) -> None:
-    process = start("move", "50", robot=sim.address)
-    until(lambda: sim.state.target_linear_m_s > 0.1)
-    process.send_signal(signal.SIGTERM)
-    _, stderr = process.communicate(timeout=120)
-    assert process.returncode == 143
-    assert "the robot has stopped" in one_line(stderr)
-    assert sim.state.last_linear_m_s == 0.0
-
-
-def test_a_person_is_asked_and_sees_the_progress(sim: roburoc4.Simulator) -> None:
-    terminal = Terminal("move", "0.5", robot=sim.address)
-    terminal.wait_for(r"0\.5 m straight.*\[y/N\]")
-    terminal.type("y\n")
-    terminal.wait_for(r"\+0\.\d+ m/s .*of 0\.5 m")
-    assert terminal.wait() == 0
-
-
 def test_a_reader_that_ends_stops_the_robot(sim: roburoc4.Simulator) -> None:
     process = start("move", "50", "--clearance", "0", "--json", robot=sim.address)
     assert process.stdout is not None
@@ -126,14 +107,3 @@ def test_a_reader_that_ends_stops_the_robot(sim: roburoc4.Simulator) -> None:
     process.stderr.close()
     assert sim.state.last_linear_m_s == 0.0
     assert sim.true_pose.x_m < 20.0
-
-
-@pytest.mark.parametrize("move", [["move", "0.1"], ["turn", "10deg"]])
-def test_a_robot_without_inputs_moves_if_that_is_meant(move: list[str]) -> None:
-    with roburoc4.Simulator(port=0, slip=0.0, digital_inputs=0) as sim:
-        assert run(*move, robot=sim.address).returncode == 1
-        blind = [*move, "--allow-unknown-override"]
-        assert "bumper is not known" in run(*blind, robot=sim.address).stderr
-        assert sim.state.nonzero_speed_commands == 0
-        done = run(*blind, "--clearance", "0", "--json", robot=sim.address)
-        assert document(done)["result"] == "reached"

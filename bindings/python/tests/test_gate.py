@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Which commands of a network reach the robot, and which do not; all of it in virtual time."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
 
@@ -47,11 +47,6 @@ class Network:
             last = self.send(age_s)
         return last
 
-    @property
-    def speed_m_s(self) -> float:
-        """The linear speed that was sent to the robot last."""
-        return self.simulator.state.last_linear_m_s
-
 
 def verdict(rejection: Rejection | None) -> Verdict:
     return Verdict.TAKEN if rejection is None else rejection.verdict
@@ -69,49 +64,6 @@ def network(roburoc4_simulator: Simulator) -> Iterator[Network]:
 def test_an_old_stamp_or_one_of_the_future_moves_nothing(network: Network, age_s: float) -> None:
     assert verdict(network.stream(1.0, age_s=age_s)) in {Verdict.TOO_OLD, Verdict.IN_FUTURE}
     assert network.simulator.state.speed_commands == 0
-
-
-def test_a_stamp_that_is_missing_is_refused(network: Network) -> None:
-    rejection = network.gate.drive(DriveCommand("nav", 0, 0.3, 0.0))
-    assert rejection is not None
-    assert rejection.why == "its stamp is 0 or less; set it to the time at which it is sent"
-
-
-def _override(network: Network) -> None:
-    with network.simulator.held("pad_a"):
-        network.stream(0.5)
-
-
-def _emergency_stop(network: Network) -> None:
-    with network.simulator.held("estop_local"):
-        network.stream(2.0)
-
-
-def _loss(network: Network) -> None:
-    network.simulator.set_faults(loss=1.0)
-    network.stream(3.0)
-    network.simulator.set_faults()
-
-
-def _reboot(network: Network) -> None:
-    network.simulator.reboot()
-    network.stream(5.0)
-
-
-@pytest.mark.parametrize("happening", [_override, _emergency_stop, _loss, _reboot])
-def test_after_it_a_stream_is_held_until_it_paused(
-    network: Network, happening: Callable[[Network], None]
-) -> None:
-    network.stream(0.5)
-    happening(network)
-    network.step(0.3)
-    before = network.simulator.state.speed_commands
-    assert network.stream(5.0) is not None
-    assert network.simulator.state.speed_commands == before
-    network.step(3.0)
-    assert network.send() is None
-    network.step(0.1)
-    assert network.speed_m_s == pytest.approx(0.3)
 
 
 def test_a_hang_is_no_pause_and_what_came_meanwhile_is_old(network: Network) -> None:

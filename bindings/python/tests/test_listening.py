@@ -209,51 +209,6 @@ def test_the_time_of_a_status_is_when_the_robot_made_it() -> None:
         assert max(late) > 0.03
 
 
-def test_a_reboot_is_noticed_and_survived(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.arm()
-        robot.sleep(5.0)
-        roburoc4_simulator.reboot()
-        assert robot.wait_for(Event.REBOOT) == Event.REBOOT
-        robot.wait_for(lambda r: r.state is roburoc4.State.READY)
-        with pytest.raises(roburoc4.NotArmedError):
-            robot.drive(0.1, 0.0)
-        robot.arm()
-        robot.drive_for(0.2, 0.0, seconds=1)
-
-
-def test_other_ids_duplicates_loss_and_a_reboot_together() -> None:
-    with Simulator(
-        iocard_id=12, telemeter_id=30, battery_id=3, localization_id=2, differential_id=77, seed=5
-    ) as sim:
-        sim.set_faults(loss=0.2, duplicate=0.2, reorder=0.1, delay_ms=3, jitter_ms=10)
-        with sim.connect(lost_ms=3000) as robot:
-            assert {s.kind: s.id for s in robot.properties.services}["differential"] == 77
-            robot.arm()
-            robot.drive_for(0.5, 0.0, seconds=3)
-            robot.sleep(10.0)
-            assert 0.1 < robot.link.loss < 0.4
-            cycles = [s.robot_cycles for s in itertools.islice(robot.statuses("battery"), 5)]
-            assert cycles == sorted(set(cycles))
-            sim.reboot()
-            robot.wait_for(lambda r: r.counts[roburoc4.Count.REBOOTS] > 0, timeout=30)
-            robot.wait_for(lambda r: r.state is roburoc4.State.READY, timeout=30)
-            assert robot.counts[roburoc4.Count.OLD] > 0
-        assert sim.state.last_linear_m_s == 0
-
-
-def test_damaged_datagrams_are_dropped() -> None:
-    with Simulator(seed=9) as sim:
-        sim.set_faults(corrupt=0.3)
-        with sim.connect(lost_ms=5000) as robot:
-            robot.sleep(20.0)
-            dropped = robot.counts
-            assert dropped[roburoc4.Count.SHORT] + dropped[roburoc4.Count.MALFORMED] > 0
-            sim.set_faults()
-            robot.sleep(10.0)
-            assert robot.state is roburoc4.State.READY
-
-
 def test_connecting_to_silence_says_what_was_tried() -> None:
     with Simulator() as sim:
         sim.set("power", False)

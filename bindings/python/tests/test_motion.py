@@ -39,51 +39,11 @@ def test_a_lease_can_be_given_with_the_command(roburoc4_simulator: Simulator) ->
             robot.drive(0.5, 0.0, lease=0.005)
 
 
-def test_override_disarms_and_its_release_restores_nothing(
-    roburoc4_simulator: Simulator,
-) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.arm()
-        with (
-            roburoc4_simulator.held("pad_a"),
-            pytest.raises(roburoc4.NotArmedError, match=r"release \[A\]") as caught,
-        ):
-            robot.drive_for(0.5, 0.0, seconds=5)
-        assert caught.value.code == Result.OVERRIDE
-        robot.wait_for(lambda r: not r.facts.overridden)
-        robot.sleep(1.0)
-        assert roburoc4_simulator.state.last_linear_m_s == 0
-        robot.arm()
-        robot.drive(0.1, 0.0)
-
-
 def test_arm_waits_for_what_the_next_status_brings(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         assert robot.facts.arm_refusal == Result.STALE_DIFFERENTIAL
         robot.arm()
         assert robot.facts.armed
-
-
-def test_arm_waits_until_the_robot_stands(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.arm()
-        robot.drive_for(0.5, 0.0, seconds=1)
-        robot.stop()
-        with pytest.raises(roburoc4.NotArmedError) as caught:
-            robot.arm(timeout=0)
-        assert caught.value.code == Result.MOVING
-        robot.arm()
-        assert abs(robot.differential.current_linear_m_s) < 0.2
-
-
-def test_arm_gives_up_while_the_override_stays_unknown() -> None:
-    with Simulator(digital_inputs=12, query_mode=1) as sim:
-        with sim.connect() as robot:
-            with pytest.raises(roburoc4.NotArmedError, match="override_index") as caught:
-                robot.arm(timeout=1.0)
-            assert caught.value.code == Result.OVERRIDE_UNKNOWN
-        with sim.connect(allow_unknown_override=True) as robot:
-            robot.arm(timeout=60.0)  # once all requests for the inputs' texts have failed
 
 
 def test_stop_sends_zeros_and_disarms(roburoc4_simulator: Simulator) -> None:
@@ -114,32 +74,6 @@ def test_pause_sends_zeros_and_keeps_the_arming(roburoc4_simulator: Simulator) -
         robot.sleep(5.0)
         robot.drive(0.2, 0.0)
         assert roburoc4_simulator.state.last_linear_m_s > 0
-
-
-def test_a_stop_that_the_robot_does_not_confirm_is_told_apart(
-    roburoc4_simulator: Simulator,
-) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.arm()
-        robot.drive(0.5, 0.0)
-        roburoc4_simulator.step(0.1)
-        roburoc4_simulator.set("power", False)
-        robot.stop()
-        assert robot.wait_for(Event.STOPPED | Event.STOP_UNCONFIRMED) == Event.STOP_UNCONFIRMED
-        assert robot.facts.stop_outcome is StopOutcome.TIMED_OUT
-
-
-def test_a_lease_that_lapsed_disarms_a_second_later(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.arm()
-        robot.drive(0.5, 0.0)
-        robot.sleep(0.6)
-        assert robot.facts.lapsed
-        assert robot.facts.armed
-        robot.sleep(1.0)
-        with pytest.raises(roburoc4.NotArmedError, match="in time") as caught:
-            robot.drive(0.5, 0.0)
-        assert caught.value.code == Result.LAPSED
 
 
 @pytest.mark.parametrize(("hang_s", "armed"), [(0.6, True), (8.0, False)])
@@ -177,44 +111,6 @@ def test_mistakes_of_units_are_refused(
             robot.move(1.0, speed=300)
         with pytest.raises(roburoc4.ArgumentError, match=r"speed: 45 .* 10 rad/s"):
             robot.turn(1.0, speed=45)
-
-
-def test_the_default_ceilings_are_low(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.arm()
-        robot.drive(4.0, -9.0)
-        state = roburoc4_simulator.state
-        assert (state.last_linear_m_s, state.last_angular_rad_s) == (1.0, -1.5)
-
-
-@pytest.mark.parametrize("speed", [math.nan, math.inf, -math.inf])
-def test_speeds_must_be_finite(roburoc4_simulator: Simulator, speed: float) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.arm()
-        with pytest.raises(roburoc4.ArgumentError, match="finite"):
-            robot.drive(speed, 0.0)
-        assert roburoc4_simulator.state.nonzero_speed_commands == 0
-
-
-@pytest.mark.parametrize("seconds", [-1.0, math.nan, math.inf])
-def test_durations_must_be_durations(roburoc4_simulator: Simulator, seconds: float) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.arm()
-        with pytest.raises(roburoc4.ArgumentError, match="seconds"):
-            robot.drive_for(0.5, 0.0, seconds)
-        assert roburoc4_simulator.state.nonzero_speed_commands == 0
-
-
-def test_huge_numbers_are_reported_as_such(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.arm()
-        for speed, lease, name in (
-            (0.1, -1, "lease"),
-            (0.1, 10**9, "lease"),
-            (1e300, None, "linear_m_s"),
-        ):
-            with pytest.raises(roburoc4.ArgumentError, match=name):
-                robot.drive(speed, 0.0, lease=lease)
 
 
 def test_settings_bound_and_scale_speeds(roburoc4_simulator: Simulator) -> None:

@@ -58,24 +58,6 @@ def test_rest_waits_until_the_robot_stands(sim: Simulator) -> None:
         assert abs(robot.differential.current_linear_m_s) < 0.02
 
 
-def test_speed_is_that_of_the_move(sim: Simulator) -> None:
-    with sim.connect() as robot:
-        robot.arm()
-        begun_s = robot.now_s
-        robot.move(1.0, speed=0.1)
-        assert robot.now_s - begun_s > 9
-        begun_s = robot.now_s
-        robot.turn(-1.0, speed=0.1)
-        assert robot.now_s - begun_s > 9
-
-
-def test_a_time_is_a_time(sim: Simulator) -> None:
-    with sim.connect() as robot:
-        robot.arm()
-        robot.move_for(0.3, 0.0, 3.0)
-        assert sim.true_pose.x_m == pytest.approx(0.3 * 3 - 0.3 * 0.3 / 0.5, abs=0.03)
-
-
 def test_degrees_and_speeds_beyond_the_ceilings_are_refused(sim: Simulator) -> None:
     with sim.connect() as robot:
         robot.arm()
@@ -177,19 +159,6 @@ def test_a_pause_between_two_commands_ends_drive_for(
         assert sim.state.nonzero_speed_commands == commands
 
 
-def test_an_override_ends_a_move_with_its_remedy(sim: Simulator) -> None:
-    def press(result: MoveResult) -> None:
-        if result.distance_m > 0.3:
-            sim.set("pad_a", True)
-
-    with sim.connect() as robot:
-        robot.arm()
-        with pytest.raises(MoveError, match=r"\[A\]") as caught:
-            robot.move(2.0, on_progress=press)
-        assert caught.value.result.outcome is MoveOutcome.OVERRIDE
-        assert caught.value.code == roburoc4.Result.OVERRIDE
-
-
 def test_a_robot_that_is_not_armed_does_not_move(sim: Simulator) -> None:
     with sim.connect() as robot:
         for move in (lambda: robot.move(1.0), lambda: robot.goto(1.0, 0.0)):
@@ -253,31 +222,6 @@ def test_an_exception_in_mid_move_stops_the_robot(sim: Simulator) -> None:
             robot.move(2.0, on_progress=interrupt)
         assert sim.state.last_linear_m_s == 0
         assert robot.facts.stopping
-
-
-@pytest.mark.parametrize(
-    ("arguments", "settings"),
-    [
-        ((math.nan,), {}),
-        ((1e300,), {}),
-        ((1e5,), {}),
-        ((1.0,), {"speed": 0.0}),
-        ((1.0,), {"speed": -0.3}),
-        ((1.0,), {"clearance": -1.0}),
-        ((1.0,), {"timeout": 0.0}),
-        ((1.0,), {"timeout": math.inf}),
-    ],
-)
-def test_bad_arguments_are_named(
-    sim: Simulator, arguments: tuple[float, ...], settings: dict[str, float]
-) -> None:
-    with sim.connect() as robot:
-        robot.arm()
-        with pytest.raises(
-            roburoc4.ArgumentError, match=r"m within 10 km|distance_m|speed|clearance|timeout"
-        ):
-            robot.move(*arguments, **settings)
-    assert sim.state.nonzero_speed_commands == 0
 
 
 def test_asyncio_moves_and_cancels() -> None:

@@ -123,27 +123,6 @@ def test_services_can_be_named_by_their_ids(roburoc4_simulator: Simulator) -> No
             roburoc4.connect("127.0.0.1", wait=False, **{name: 1})  # type: ignore[arg-type]
 
 
-def test_the_manuals_names_find_inputs_in_any_case(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        roburoc4_simulator.set("front_bumper", True)
-        robot.wait_for("iocard")
-        assert robot.inputs["Front bumper"] is True
-        assert robot.inputs["rear BUMPER"] is False
-        assert 20 < robot.inputs["Battery voltage"] < 30
-        roburoc4_simulator.set("pad_lb", True)
-        robot.wait_for("iocard")
-        assert robot.inputs.digital('Game pad "LB" button')
-        assert robot.inputs.digital(20)
-
-
-def test_names_work_if_the_robot_has_no_texts() -> None:
-    with Simulator(query_mode=1) as sim, sim.connect() as robot:
-        sim.set("rear_bumper", True)
-        robot.wait_for("iocard")
-        assert robot.inputs["Rear bumper"] is True
-        assert robot.channels.digital_inputs[1] == "Rear bumper"
-
-
 def test_errors_for_unknown_names_list_the_known_ones(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         with pytest.raises(roburoc4.ArgumentError, match="Front bumper"):
@@ -252,14 +231,6 @@ def test_unknown_settings_are_refused(roburoc4_simulator: Simulator) -> None:
         Simulator(slipp=0.1)  # type: ignore[call-arg]
 
 
-def test_the_override_input_can_be_named() -> None:
-    with Simulator(query_mode=1) as sim, sim.connect(override_index=9) as robot:
-        robot.arm()
-        sim.set("pad_b", True)  # input 9
-        robot.wait_for(lambda r: not r.facts.armed)
-        assert robot.facts.disarm_cause == roburoc4.Result.OVERRIDE
-
-
 class FakeConnection:
     """A connection to a robot with these texts."""
 
@@ -285,17 +256,6 @@ def channels(
 
 
 Named = Callable[[dict[tuple[int, int], bytes]], roburoc4.iocard.Channels]
-
-
-def test_the_robots_own_texts_work(channels: Named) -> None:
-    found = channels({(IoType.DIGITAL_INPUT, 5): "Éclairage".encode()})
-    assert found.find("éclairage", IoType.DIGITAL_INPUT) == (IoType.DIGITAL_INPUT, 5)
-
-
-def test_an_ambiguous_name_is_refused(channels: Named) -> None:
-    found = channels({(IoType.DIGITAL_INPUT, 5): b"spare", (IoType.DIGITAL_INPUT, 7): b"Spare"})
-    with pytest.raises(roburoc4.ArgumentError, match="ambiguous"):
-        found.find("spare", IoType.DIGITAL_INPUT)
 
 
 def test_texts_that_are_not_utf8_are_latin1(channels: Named) -> None:
