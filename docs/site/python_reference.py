@@ -1,15 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Write docs/python-api.md, and the command's manual page docs/man/roburoc4.1, from the package.
-
-What each name means is taken from where it is declared. Run it after a change of the package; tests
-compare the pages. The manual page is made by argparse-manpage (see requirements-dev.txt).
-"""
+"""Print the Python reference, a page of the site, from the texts of the installed package."""
 
 import ast
 import enum
 import inspect
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import roburoc4
@@ -23,8 +18,7 @@ HEAD = """\
 Every name of the package `roburoc4`; [python.md](python.md) shows how they are used. What is on the
 wire is in `roburoc4.protocol`; the types of what attributes return, in `roburoc4.records` and
 `roburoc4.iocard`; what reads recordings, in `roburoc4_tools.recordings`: their names are shown with
-the module. `tools/tests/reference.py` writes this page from the
-packages' own texts. In `roburoc4.aio` methods of the same names are awaited.
+the module. In `roburoc4.aio` methods of the same names are awaited.
 """
 
 
@@ -154,25 +148,5 @@ def page() -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
-def manual() -> str:
-    """Make the manual page of the command, without a date."""
-    from argparse_manpage.manpage import Manpage
-
-    from roburoc4_tools.cli.app import parser
-
-    facts = {"project_name": "roburoc4", "version": roburoc4.__version__, "format": "pretty"}
-    lines = str(Manpage(parser(), facts)).splitlines()
-    begin = next(number for number, line in enumerate(lines) if line.startswith(".TH"))
-    head = '.TH ROBUROC4 1 "" "roburoc4" "User Commands"'
-    lines[begin : begin + 3] = [
-        head,
-        ".SH NAME",
-        "roburoc4 \\- watch, drive and simulate a RobuROC4 robot",
-    ]
-    return '.\\" SPDX-License-Identifier: MIT\n' + "\n".join(lines) + "\n"
-
-
 if __name__ == "__main__":
-    docs = Path(__file__).resolve().parents[2] / "docs"
-    docs.joinpath("python-api.md").write_text(page(), encoding="utf-8")
-    docs.joinpath("man", "roburoc4.1").write_text(manual(), encoding="utf-8")
+    print(page(), end="")
