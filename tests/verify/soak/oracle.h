@@ -155,7 +155,7 @@ class Oracle {
     };
     struct Newest {
         bool known = false;
-        std::uint64_t made_us = 0, stamp = 0, received_us = 0;
+        std::uint64_t made_us = 0, stamp = 0, received_us = 0, late_us = 0;
         std::uint32_t boot = 0;
     };
     /** An axis that does not follow its target. */

@@ -55,13 +55,15 @@ void Oracle::received(Moment now, const Datagram &datagram, std::int32_t result)
         return;
     switch (origin.kind) {
     case Origin::Kind::iocard_properties:
+        if (result > 0) /* taken for those of a service that had this id before a restart */
+            break;
         analog_inputs_ = static_cast<std::int32_t>(datagram.u32_at(5));
         rule_.set_counts(analog_inputs_, static_cast<std::int32_t>(datagram.u32_at(9)),
                          static_cast<std::int32_t>(datagram.u32_at(13)),
                          static_cast<std::int32_t>(datagram.u32_at(17)), origin.boot);
         break;
     case Origin::Kind::differential_properties:
-        if (datagram.size < 57)
+        if (datagram.size < 57 || result > 0)
             break;
         limits_ = {true,
                    datagram.f32_at(21),
@@ -94,8 +96,8 @@ void Oracle::status(Moment now, const Datagram &datagram) {
     if (newest.known && made <= newest.made_us)
         return;
     ages_known_ = true;
-    newest = {true, made, datagram.u64_at(3), now.client_us, datagram.origin.boot};
     const std::uint64_t age = now.true_us - made;
+    newest = {true, made, datagram.u64_at(3), now.client_us, age, datagram.origin.boot};
     const std::uint64_t crept = (now.true_us - unproven_since_us_) / 1000;
     if (unproven_us_ == UINT64_MAX || age <= unproven_us_ + crept) {
         unproven_us_ = age;
@@ -273,7 +275,10 @@ void Oracle::watch_restart(Moment now, const Datagram &datagram) {
         const double counted =
             last != nullptr ? (static_cast<double>(stamp) - static_cast<double>(last->stamp)) * 1e4
                             : 0;
-        if (std::fabs(counted - passed) < 2e6 || last == nullptr) {
+        /* statuses that are late may be of the same start, and so may those after them */
+        const double hidden = 2e6 + static_cast<double>(last != nullptr ? last->late_us : 0) +
+                              static_cast<double>(now.true_us - datagram.origin.made_us);
+        if (std::fabs(counted - passed) < hidden || last == nullptr) {
             judged_boot_ = boot_; /* nothing to notice; but ages are wrong by what it is ahead */
             const auto truly = static_cast<double>(datagram.origin.made_us) -
                                static_cast<double>(last != nullptr ? last->made_us : 0);
@@ -377,8 +382,8 @@ void Oracle::judge_disarming(Moment now, const Report &report) {
     switch (cause) {
     case ROBUROC4_ERR_STALE_DIFFERENTIAL:
     case ROBUROC4_ERR_STALE_IOCARD:
-        if (!robot_.prompt || now.true_us - jumped_us_ < forgiven_after_us)
-            return;
+        if (!robot_.prompt || (jumped_us_ != 0 && now.true_us - well_since_us_ < forgiven_after_us))
+            return; /* only a good network shows a jump, however long ago */
         break;
     case ROBUROC4_ERR_INHIBITED:
     case ROBUROC4_ERR_UPLINK:

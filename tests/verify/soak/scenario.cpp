@@ -378,7 +378,8 @@ class Scenario {
 
     /** The user set what another robot may have elsewhere. */
     bool user_told() const {
-        return config_.role_index[ROBUROC4_ROLE_OVERRIDE] >= 0 || config_.iocard_id >= 0;
+        return config_.role_index[ROBUROC4_ROLE_OVERRIDE] >= 0 || config_.iocard_id >= 0 ||
+               config_.differential_id >= 0;
     }
 
     /* Often in an outage of the link; and it may be another robot that answers afterwards. */
