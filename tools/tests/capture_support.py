@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-from roburoc4 import _native
+from roburoc4.protocol import usual_answer
 
 ROBOT = (b"\xc0\xa8\x00\x02", 60000)
 CLIENT = (b"\xc0\xa8\x00\x05", 40001)
@@ -72,7 +72,7 @@ def discovery(begin_us: int = BEGIN_US, client: Endpoint = CLIENT) -> list[Packe
     packets = []
     for at, request in enumerate(requests()):
         time_us = begin_us + 1000 * at
-        answer = _native.usual_answer(request)
+        answer = usual_answer(request)
         assert answer
         packets.append(Packet(time_us, client, ROBOT, request))
         packets.append(Packet(time_us + 400, ROBOT, client, answer))

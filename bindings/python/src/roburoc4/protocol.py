@@ -20,7 +20,7 @@ from .records import (
     UnknownCommand,
     UnknownStatus,
 )
-from .telegrams import Batch, Layout, decode, decode_batch
+from .telegrams import Batch, Layout, decode, decode_batch, encode_answer, usual_answer
 
 __all__ = [
     "CYCLE_S",
@@ -48,5 +48,7 @@ __all__ = [
     "WireError",
     "decode",
     "decode_batch",
+    "encode_answer",
     "resolve",
+    "usual_answer",
 ]

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-__all__ = ["Batch", "Layout", "decode", "decode_batch"]
+__all__ = ["Batch", "Layout", "decode", "decode_batch", "encode_answer", "usual_answer"]
 
 Bytes: TypeAlias = bytes | bytearray | memoryview
 
@@ -85,6 +85,16 @@ def decode(
             raise unusable("data", data, "bytes") from None
         raise unusable("layout", layout, "a Layout") from None
     raise unusable("sender", sender, '"robot" or "client"')
+
+
+def encode_answer(request_id: int, action: int, service: int, error: int = 0) -> bytes:
+    """Encode a robot's answer without a body: for a robot that is made of something else."""
+    return _native.roburoc4_encode_answer(request_id, action, service, error)
+
+
+def usual_answer(request: bytes) -> bytes | None:
+    """Return what any RobuROC4 of the manual answers to a request; None if it answers nothing."""
+    return _native.usual_answer(request) or None
 
 
 @lru_cache(maxsize=16)

@@ -7,16 +7,15 @@ another interpretation of the bytes.
 """
 
 from collections import OrderedDict, deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, Unpack
 
-from roburoc4 import _native
-from roburoc4.connection import ALL_EVENTS, events_of_services, open_alone
 from roburoc4.constants import DEFAULT_PORT, Action, Event, Service, WireError
 from roburoc4.errors import DecodeError, RecordingError, unusable
-from roburoc4.manual import ManualConnection
 from roburoc4.notices import texts_of
+from roburoc4.offline import OfflineClient
+from roburoc4.protocol import Layout, decode, encode_answer, usual_answer
 from roburoc4.records import (
     Answer,
     DifferentialCommand,
@@ -28,8 +27,7 @@ from roburoc4.records import (
 )
 from roburoc4.robot import Robot
 from roburoc4.samples import flatten
-from roburoc4.settings import STATUS_MASK, STATUS_SERVICES, Settings, service_of
-from roburoc4.telegrams import Layout, decode
+from roburoc4.settings import STATUS_SERVICES, Settings, service_of
 
 from .capture import Capture, Datagram, Endpoint
 
@@ -46,8 +44,6 @@ _COPIES = 32
 _SILENCE_US = 200_000
 _LONG_SILENCE_US = 100_000_000
 _BUFFER = 64
-_STATUS_EVENTS = events_of_services(STATUS_MASK)
-_OTHER_EVENTS = ALL_EVENTS & ~_STATUS_EVENTS
 _IOCARD_EVENT = int(Event.IOCARD)  # an Event is slow to compute with
 _WATCHDOG_US = 1_000_000
 _HALT_US = 2_000_000
@@ -121,12 +117,10 @@ class Answers:
         if request.action == Action.QUERY and any(k.action == request.action for k in self._known):
             # it gave some of its texts: no others are invented
             error = WireError.UNSUPPORTED
-            return _native.roburoc4_encode_answer(
-                request.id, request.action, request.service, error
-            )
+            return encode_answer(request.id, request.action, request.service, error)
         if request.action in (Action.INSERT, Action.DELETE):
-            return _native.roburoc4_encode_answer(request.id, request.action, request.service, 0)
-        return _native.usual_answer(data) or None
+            return encode_answer(request.id, request.action, request.service)
+        return usual_answer(data)
 
 
 def _get(service: int) -> Request:
@@ -222,41 +216,17 @@ def _host(sender: tuple[bytes, int]) -> str:
     return str(Endpoint(*sender)).rpartition(":")[0]
 
 
-class _RecordedConnection(ManualConnection):
-    """A client whose time is that of a recording."""
-
-    def __init__(self, head: _Head, settings: Settings) -> None:
-        super().__init__(open_alone(settings), "the simulator", settings)
-        _native.connection_begin(self.handle, head.begun_us)
-        self.advance: Callable[[], object] = lambda: None
-        """Continue to the next datagram; None at the end."""
-
-    def move(self, seconds: float, until: Callable[[], object]) -> None:
-        self.check_open()
-        end_s = self.now_s() + seconds
-        while self.now_s() < end_s and not until():
-            if self.advance() is None:
-                _native.roburoc4_pump_close(self.handle)
-                return
-
-    def leave(self) -> None:
-        pass
-
-
 class _Pass:
     """One reading of a capture, from beginning to end."""
 
     def __init__(self, path: Path, head: _Head, settings: Settings) -> None:
         self.capture = Capture(path)
-        self.connection = _RecordedConnection(head, settings)
-        self.connection.advance = self.advance
-        self.robot = Robot(self.connection, settings)
+        self._client = OfflineClient(head.begun_us, self.advance, **settings)
+        self.robot = self._client.robot
         self.counts = Counts()
         self._head = head
         self._answers = head.answers.copy()
         self._datagrams = iter(self.capture)
-        self._handle = self.connection.handle
-        self._reader = _native.new_reader()
         self._pending: deque[bytes] = deque(maxlen=_BUFFER)
         self._recent: OrderedDict[bytes, object] = OrderedDict()
         self._facts = self.robot.facts
@@ -276,7 +246,7 @@ class _Pass:
                 continue  # a command: there is no robot to move
             answer = self._answers.answer(data, request)
             if answer is not None:
-                self._pending.extend(_native.connection_play(self._handle, answer, time_us))
+                self._pending.extend(self._client.feed(answer, time_us))
 
     # ---- datagrams ----
 
@@ -313,7 +283,7 @@ class _Pass:
             return found
         if self._pending:
             self._answer_all(time_us)
-        self._pending.extend(_native.connection_play(self._handle, given, time_us))
+        self._pending.extend(self._client.feed(given, time_us))
         if self._pending:
             self._answer_all(time_us)
         found += self._happened(time_us)
@@ -321,12 +291,12 @@ class _Pass:
 
     def _live_until(self, time_us: int) -> list[Item]:
         """Let the client do what is due earlier, so that its events have the right times."""
-        handle, found = self._handle, list[Item]()
+        client, found = self._client, list[Item]()
         # nothing happens later in a longer silence, however long a damaged file makes it
         until_us = min(time_us, self._heard_us + _LONG_SILENCE_US)
-        while (due_us := _native.roburoc4_client_next_deadline(handle)) < until_us:
-            due_us = max(due_us, _native.connection_now_us(handle) + 1)
-            self._pending.extend(_native.connection_play(handle, b"", due_us))
+        while (due_us := client.due_us) < until_us:
+            due_us = max(due_us, client.now_us + 1)
+            self._pending.extend(client.feed(b"", due_us))
             if due_us - self._heard_us < _SILENCE_US:
                 self._answer_all(due_us)
             found += self._happened(due_us)
@@ -341,13 +311,11 @@ class _Pass:
         return known != destination
 
     def _happened(self, time_us: int) -> list[Item]:
-        events = _native.roburoc4_pump_take_events(self._handle, self._reader)
-        found: list[Item] = []
-        if events & _OTHER_EVENTS or (events & _IOCARD_EVENT and self._bumper_changed()):
-            found += self._notices(Event(events & _OTHER_EVENTS), time_us)
-        if events & _STATUS_EVENTS:
-            found += _native.read_samples(self._handle, self._reader, STATUS_MASK) or ()
-        return found
+        events, statuses = self._client.take()
+        others = events & ~_IOCARD_EVENT
+        if others or (events and self._bumper_changed()):
+            return [*self._notices(Event(others), time_us), *statuses]
+        return [*statuses]
 
     def _bumper_changed(self) -> bool:
         facts, now = self._facts, self.robot.facts

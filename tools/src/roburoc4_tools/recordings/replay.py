@@ -6,8 +6,8 @@ It has no clock and no socket: ``roburoc4 replay`` gives it datagrams and the ti
 
 from collections.abc import Callable, Iterator
 
-from roburoc4 import _native
 from roburoc4.constants import Action, Service, WireError
+from roburoc4.protocol import encode_answer
 from roburoc4.records import Answer, Request, UnknownCommand, UnknownStatus
 
 from .capture import Capture, Datagram
@@ -185,7 +185,7 @@ class ReplayedRobot:
             # the protocol's own refusal; a command has no action that could be named
             service = telegram.service if isinstance(telegram, UnknownCommand) else 0
             error = (0, Action.UPDATE, service, WireError.UNSUPPORTED)
-            self._send(peer, _native.roburoc4_encode_answer(*error))
+            self._send(peer, encode_answer(*error))
 
     def _refuse(self, peer: Peer, client: Client, what: str) -> None:
         client.commands += 1
@@ -206,9 +206,7 @@ class ReplayedRobot:
         if request.action == Action.REPLACE:
             self._refuse(peer, client, "sets odometry")
             error = WireError.UNSUPPORTED
-            answer: bytes | None = _native.roburoc4_encode_answer(
-                request.id, request.action, request.service, error
-            )
+            answer: bytes | None = encode_answer(request.id, request.action, request.service, error)
         else:
             answer = self._answers.answer(data, request)
         if answer is None:
@@ -233,7 +231,7 @@ class ReplayedRobot:
             return answer
         if "differential" not in reply.body.lower():
             return answer
-        head = _native.roburoc4_encode_answer(request.id, request.action, request.service, 0)
+        head = encode_answer(request.id, request.action, request.service)
         text = answer[len(head) :][: _MOST_TEXT - len(TEXT)]
         return head + text + TEXT.encode()
 
