@@ -48,21 +48,31 @@ float sim_battery_percent(const roburoc4_sim *sim) {
     return (float)(100.0 * sim->battery_ah / (double)sim->config.capacity_ah);
 }
 
-uint8_t sim_battery_remaining(const roburoc4_sim *sim) {
-    double percent = (double)sim_battery_percent(sim);
-    if (sim->config.as_manual != 0) {
-        /* The service knows only the voltage (5.5.3). */
-        double share = (double)sim_reported_voltage(sim) / (double)sim->config.nominal_voltage_v;
-        percent = 100.0 * (share - EMPTY_SHARE) / CHARGE_SHARE;
-    }
-    return (uint8_t)(fmin(fmax(percent, 0.0), 100.0) + 0.5);
-}
-
 float sim_battery_voltage(const roburoc4_sim *sim) {
     double full = 0.01 * (double)sim_battery_percent(sim);
     double flow_a = (sim->charger ? CHARGER_A : 0.0) - load_a(sim);
     return (float)((double)sim->config.nominal_voltage_v * (EMPTY_SHARE + CHARGE_SHARE * full) +
                    flow_a * RESISTANCE_OHM);
+}
+
+/* As the IO card reports it. */
+static float reported_voltage(const roburoc4_sim *sim) {
+    for (uint32_t index = 0; index < (uint32_t)sim->config.analog_inputs; index++) {
+        if (sim_channel_meaning(sim, ROBUROC4_IO_ANALOG_INPUT, index) == ROBUROC4_AI_BATTERY_V) {
+            return sim->analog_pinned[index] ? sim->analog_pins[index] : sim_battery_voltage(sim);
+        }
+    }
+    return sim_battery_voltage(sim);
+}
+
+uint8_t sim_battery_remaining(const roburoc4_sim *sim) {
+    double percent = (double)sim_battery_percent(sim);
+    if (sim->config.as_manual != 0) {
+        /* The service knows only the voltage (5.5.3). */
+        double share = (double)reported_voltage(sim) / (double)sim->config.nominal_voltage_v;
+        percent = 100.0 * (share - EMPTY_SHARE) / CHARGE_SHARE;
+    }
+    return (uint8_t)(fmin(fmax(percent, 0.0), 100.0) + 0.5);
 }
 
 uint8_t sim_battery_state(const roburoc4_sim *sim) {

@@ -59,10 +59,6 @@ bool sim_cockpit_press_motor_button(roburoc4_sim *sim) {
 
 /* -------------------------------------------------------------------------------- game pad --- */
 
-bool sim_pad_drives(const roburoc4_sim *sim) {
-    return sim->powered && sim->buttons[0];
-}
-
 static double axis_of(const roburoc4_sim *sim, uint32_t axis) {
     return (double)sim->axes[axis - ROBUROC4_AI_PAD_LJ_X];
 }

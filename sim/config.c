@@ -126,3 +126,18 @@ roburoc4_result roburoc4_sim_config_family(roburoc4_sim_config *config, size_t s
     }
     return give(&drawn, config, size);
 }
+
+/* ---------------------------------------------------------------------- channels of the card ---
+ */
+
+int32_t sim_channel_meaning(const roburoc4_sim *sim, uint32_t io_type, uint32_t index) {
+    bool analog = io_type == ROBUROC4_IO_ANALOG_INPUT;
+    if ((!analog && io_type != ROBUROC4_IO_DIGITAL_INPUT) || index < 2) {
+        return (int32_t)index;
+    }
+    /* The manual's tables skip number 02; on a card with one more channel it is an unused input. */
+    bool literal = analog ? sim->config.analog_inputs == ROBUROC4_AI_COUNT + 1
+                          : sim->config.digital_inputs == ROBUROC4_DI_COUNT + 1;
+    uint32_t shift = sim->config.input_shift + (literal ? 1u : 0u);
+    return index < 2 + shift ? -1 : (int32_t)(index - shift);
+}

@@ -7,27 +7,6 @@
 
 #include "model.h"
 
-int32_t sim_channel_meaning(const roburoc4_sim *sim, uint32_t io_type, uint32_t index) {
-    bool analog = io_type == ROBUROC4_IO_ANALOG_INPUT;
-    if ((!analog && io_type != ROBUROC4_IO_DIGITAL_INPUT) || index < 2) {
-        return (int32_t)index;
-    }
-    /* The manual's tables skip number 02; on a card with one more channel it is an unused input. */
-    bool literal = analog ? sim->config.analog_inputs == ROBUROC4_AI_COUNT + 1
-                          : sim->config.digital_inputs == ROBUROC4_DI_COUNT + 1;
-    uint32_t shift = sim->config.input_shift + (literal ? 1u : 0u);
-    return index < 2 + shift ? -1 : (int32_t)(index - shift);
-}
-
-float sim_reported_voltage(const roburoc4_sim *sim) {
-    for (uint32_t index = 0; index < (uint32_t)sim->config.analog_inputs; index++) {
-        if (sim_channel_meaning(sim, ROBUROC4_IO_ANALOG_INPUT, index) == ROBUROC4_AI_BATTERY_V) {
-            return sim_analog_input(sim, index);
-        }
-    }
-    return sim_battery_voltage(sim);
-}
-
 float sim_analog_input(const roburoc4_sim *sim, uint32_t index) {
     if (sim->analog_pinned[index]) {
         return sim->analog_pins[index];

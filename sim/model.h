@@ -225,10 +225,11 @@ void sim_services_freeze(roburoc4_sim *sim, uint32_t services); /* a mask; 0: no
 /* robot.c: another robot takes this one's place. */
 void sim_robot_replace(roburoc4_sim *sim, const roburoc4_sim_config *config);
 
-/* inputs.c: what the IO card reads. */
+/* config.c: which channel of the manual's tables one of this card is; or -1. */
 int32_t sim_channel_meaning(const roburoc4_sim *sim, uint32_t io_type, uint32_t index);
+
+/* inputs.c: what the IO card reads. */
 float sim_analog_input(const roburoc4_sim *sim, uint32_t index);
-float sim_reported_voltage(const roburoc4_sim *sim); /* of the battery, as the IO card reports it */
 bool sim_digital_input(const roburoc4_sim *sim, uint32_t index);
 bool sim_bumper(const roburoc4_sim *sim, uint32_t which);
 
@@ -241,14 +242,14 @@ bool sim_cockpit_press_motor_button(roburoc4_sim *sim); /* false if motor power 
 void sim_cockpit_check_motors(roburoc4_sim *sim);       /* after a change that may forbid them */
 void sim_cockpit_press(roburoc4_sim *sim, uint32_t button, bool down); /* ROBUROC4_DI_PAD_* */
 void sim_cockpit_release_pad(roburoc4_sim *sim);
-bool sim_pad_drives(const roburoc4_sim *sim);
 void sim_cockpit_cycle(roburoc4_sim *sim); /* the pad sets the target while it is in control */
 
 /* motion.c */
 void sim_motion_init(roburoc4_sim *sim); /* take the limits of the configuration */
 void sim_motion_cycle(roburoc4_sim *sim);
 void sim_motion_command(roburoc4_sim *sim, double linear_m_s, double angular_rad_s);
-void sim_motion_feed(roburoc4_sim *sim);   /* its watchdog */
+void sim_motion_feed(roburoc4_sim *sim); /* its watchdog */
+bool sim_pad_drives(const roburoc4_sim *sim);
 void sim_motion_forget(roburoc4_sim *sim); /* target 0 until the next command */
 bool sim_motion_is_beyond(const roburoc4_sim *sim, double linear_m_s, double angular_rad_s);
 sim_speed sim_motion_shown_target(const roburoc4_sim *sim);

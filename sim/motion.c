@@ -73,6 +73,10 @@ static double clamp(double value, double min, double max) {
     return value < min ? min : value > max ? max : value;
 }
 
+bool sim_pad_drives(const roburoc4_sim *sim) {
+    return sim->powered && sim->buttons[0];
+}
+
 void sim_motion_command(roburoc4_sim *sim, double linear_m_s, double angular_rad_s) {
     sim_speed *target = sim_pad_drives(sim) ? &sim->kept : &sim->target;
     target->linear_m_s = clamp(linear_m_s, sim->linear.min_speed, sim->linear.max_speed);
