@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "ini.h"
+#include "roburoc4_robot_file.h"
 
 #define MAX_FILE_BYTES (1 << 20)
 /* Statuses older than this do not count for driving (roburoc4_config.fresh_ms). */
@@ -41,6 +42,8 @@ const char options_help[] =
     "                       end in _CMD\n"
     "      --record FILE    record every datagram of all robots in the pcapng file FILE, or in a\n"
     "                       new file in the folder FILE; existing files are not overwritten\n"
+    "      --robot-file FILE  ids, inputs, watchdog and scales of the robot, as roburoc4\n"
+    "                       first-contact measured them\n"
     "      --period-ms SERVICE=MS  time between statuses, 10 to 2550 in steps of 10, or 0 for\n"
     "                       none; SERVICE is iocard, telemeter, battery, localization or\n"
     "                       differential\n"
@@ -406,6 +409,25 @@ static bool set_period(reading *reading, const known_option *option, const char 
     return true;
 }
 
+static bool set_robot_file(reading *reading, const known_option *option, const char *value) {
+    char text[ROBUROC4_ROBOT_FILE_SIZE];
+    roburoc4_robot_file file;
+    const char *remedy = NULL;
+    FILE *opened = fopen(value, "rb");
+    (void)option;
+    if (opened == NULL) {
+        return refuse(reading, "cannot be opened; give a file of roburoc4 first-contact");
+    }
+    const size_t length = fread(text, 1, sizeof text, opened);
+    (void)fclose(opened);
+    const uint32_t line = roburoc4_robot_file_read(&file, text, length, &remedy);
+    if (line != 0) {
+        return complain(reading, "%s: line %u: %s", reading->subject, (unsigned)line, remedy);
+    }
+    roburoc4_robot_file_config(&file, &reading->robot->config);
+    return true;
+}
+
 /* ------------------------------------------------------------------------------ the robots --- */
 
 static options_robot *find_robot(options *out, const char *name, size_t length) {
@@ -560,6 +582,7 @@ static const known_option known[] = {
     {"channel", 0, 1, PASS_CHANNELS, FOR_ONE, set_channel, 0, 0, 0},
     {"pose-channel", 0, 1, PASS_CHANNELS, FOR_ONE, set_pose, 0, 0, 0},
     {"period-ms", 0, 1, PASS_SETTINGS, FOR_EACH, set_period, 0, 0, 0},
+    {"robot-file", 0, 1, PASS_SETTINGS, FOR_EACH, set_robot_file, 0, 0, 0},
     {"enable-drive", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_DRIVE, 0, 0},
     {"enable-outputs", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_OUTPUT, 0, 0},
     {"enable-relocalize", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_RELOCALIZE, 0, 0},

@@ -4,7 +4,9 @@
  */
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -205,6 +207,21 @@ TEST(LcmOptions, RejectInvalidValuesAndNameThem) {
         EXPECT_NE(std::string::npos, r.error.find(each.named)) << r.error;
         EXPECT_LT(r.error.size() + 1, static_cast<std::size_t>(OPTIONS_ERROR_SIZE)) << r.error;
     }
+}
+
+TEST(LcmOptions, ARobotFileConfiguresTheClientAndABadOneNamesItsLine) {
+    const std::string path = testing::TempDir() + "roburoc4_lcm_robot_file.txt";
+    std::ofstream(path) << "override_index = 9\nrobot_watchdog_ms = 500\n";
+    const Read good = read({"--robot-file", path});
+    EXPECT_EQ(OPTIONS_RUN, good.result) << good.error;
+    EXPECT_EQ(9, good.out->robots[0].config.role_index[ROBUROC4_ROLE_OVERRIDE]);
+    EXPECT_EQ(500U, good.out->robots[0].config.robot_watchdog_ms);
+    std::ofstream(path) << "override_index = 9\nwatchdog = 500\n";
+    const Read bad = read({"--robot-file", path});
+    EXPECT_EQ(OPTIONS_BAD, bad.result);
+    EXPECT_NE(std::string::npos, bad.error.find("line 2: no such name")) << bad.error;
+    EXPECT_EQ(OPTIONS_BAD, read({"--robot-file", path + ".missing"}).result);
+    std::remove(path.c_str());
 }
 
 TEST(LcmOptions, FindTheRobotsAddresses) {

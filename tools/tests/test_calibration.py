@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-import roburoc4
-from roburoc4 import ArgumentError, Simulator, calibration
+from roburoc4 import ArgumentError, Simulator, robot_file
 from roburoc4_tools.cli import calibrate
 from roburoc4_tools.cli.errors import CommandError
 
@@ -47,16 +46,16 @@ class Observer:
 def test_the_square_of_a_calibrated_robot_really_closes(
     sim: Simulator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    file = tmp_path / "robot.json"
+    file = tmp_path / "robot.txt"
     with sim.connect() as robot:
         robot.arm()
         monkeypatch.setattr("sys.stdin", Observer(sim))
         scale_linear, scale_angular = calibrate.measure(robot, options())
     assert scale_linear == pytest.approx(1.0, abs=0.02)
     assert scale_angular == pytest.approx(1 / (1 - SLIP), abs=0.01)
-    calibration.save(file, scale_linear, scale_angular)
+    robot_file.save(file, {"scale_linear": scale_linear, "scale_angular": scale_angular})
 
-    with sim.connect(calibration=file) as robot:
+    with sim.connect(robot_file=file) as robot:
         robot.arm()
         begin = sim.true_pose
         for _side in range(4):
@@ -78,11 +77,11 @@ def test_an_answer_that_is_no_measurement_writes_nothing(
 
 
 def test_a_file_that_is_no_calibration_is_refused(sim: Simulator, tmp_path: Path) -> None:
-    file = tmp_path / "robot.json"
+    file = tmp_path / "robot.txt"
     with pytest.raises(ArgumentError, match="roburoc4 calibrate"):
-        sim.connect(calibration=file)
+        sim.connect(robot_file=file)
     for text in ("", "[]", "{}", '{"scale_linear": 1}', '{"scale_linear": 1, "scale_angular": 9}'):
         file.write_text(text)
         with pytest.raises(ArgumentError):
-            sim.connect(calibration=file)
-    assert roburoc4.calibration.checked("scale_linear", 1.0) == 1.0
+            sim.connect(robot_file=file)
+    assert calibrate.checked("scale_linear", 1.0) == 1.0

@@ -3,10 +3,39 @@
  * The options of robots and simulators. The client's ranges are checked by roburoc4_config_error(),
  * and the simulator's members are known by name to config_file.h and roburoc4_sim_config_error().
  */
+#include <stdio.h>
 #include <string.h>
 
 #include "commands.h"
 #include "config_file.h"
+
+/* ------------------------------------------------------------------------------ of one robot ---
+ */
+
+static const char robot_file[] = "robot_file"; /* read before all others, which take precedence */
+
+/* Read the file that the options name, if they do: then `found`. */
+static int take_robot_file(const mxArray *options, roburoc4_robot_file *file, int *found) {
+    const mxArray *value = mxIsStruct(options) ? mxGetField(options, 0, robot_file) : NULL;
+    char path[TEXT_SIZE], text[ROBUROC4_ROBOT_FILE_SIZE];
+    const char *remedy = NULL;
+    *found = value != NULL;
+    if (value == NULL) {
+        return 1;
+    }
+    if (!take_text(value, robot_file, path)) {
+        return 0;
+    }
+    FILE *opened = fopen(path, "rb");
+    if (opened == NULL) {
+        return fail(FAIL_ARGUMENT, "robot_file: %s cannot be opened", path);
+    }
+    const size_t length = fread(text, 1, sizeof text, opened);
+    (void)fclose(opened);
+    const uint32_t line = roburoc4_robot_file_read(file, text, length, &remedy);
+    return line == 0 ||
+           fail(FAIL_ARGUMENT, "robot_file: %s: line %u: %s", path, (unsigned)line, remedy);
+}
 
 /* ---------------------------------------------------------------------------- of the client --- */
 
@@ -70,7 +99,7 @@ static int take_setting(void *config, const char *name, const mxArray *value) {
             return store(&settings[i], (char *)config + settings[i].offset, value);
         }
     }
-    return fail(FAIL_ARGUMENT, "there is no option '%s'", name);
+    return strcmp(name, robot_file) == 0 || fail(FAIL_ARGUMENT, "there is no option '%s'", name);
 }
 
 /* A period of 0 means: do not subscribe. */
@@ -89,7 +118,8 @@ static void drop_unwanted(roburoc4_config *config) {
 
 static int take_sim_setting(void *config, const char *name, const mxArray *value) {
     double number;
-    if (strcmp(name, "family") == 0) { /* before all others: settings_of_simulator() */
+    if (strcmp(name, "family") == 0 ||
+        strcmp(name, robot_file) == 0) { /* before all others: settings_of_simulator() */
         return 1;
     }
     return take_number(value, name, &number) &&
@@ -122,7 +152,15 @@ static int check(const char *wrong) {
 }
 
 int settings_of_robot(const mxArray *options, roburoc4_config *out) {
+    roburoc4_robot_file file;
+    int found;
     (void)roburoc4_config_init(out, sizeof *out);
+    if (!take_robot_file(options, &file, &found)) {
+        return 0;
+    }
+    if (found) {
+        roburoc4_robot_file_config(&file, out);
+    }
     if (!take_all(options, out, take_setting)) {
         return 0;
     }
@@ -133,6 +171,8 @@ int settings_of_robot(const mxArray *options, roburoc4_config *out) {
 int settings_of_simulator(const mxArray *options, roburoc4_sim_config *out) {
     const mxArray *family = mxIsStruct(options) ? mxGetField(options, 0, "family") : NULL;
     double seed = 0.0;
+    roburoc4_robot_file file;
+    int found;
     (void)roburoc4_sim_config_init(out, sizeof *out);
     if (family != NULL) {
         if (!take_whole(family, "family", 0, 9007199254740992.0, &seed)) {
@@ -140,12 +180,19 @@ int settings_of_simulator(const mxArray *options, roburoc4_sim_config *out) {
         }
         (void)roburoc4_sim_config_family(out, sizeof *out, (uint64_t)seed);
     }
+    if (!take_robot_file(options, &file, &found)) {
+        return 0;
+    }
+    if (found) {
+        roburoc4_sim_config_robot_file(out, &file);
+    }
     return take_all(options, out, take_sim_setting) && check(roburoc4_sim_config_error(out));
 }
 
 /* options(simulated): a struct whose fields are the names of a simulator's or a robot's options */
 static int list_options(call *in) {
     const char *name;
+    answer_flag(&in->out, robot_file, 1);
     if (in->numbers[0] != 0.0) {
         answer_flag(&in->out, "family", 1);
     }

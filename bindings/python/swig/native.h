@@ -121,6 +121,16 @@ PyObject *move_step(connection *c, roburoc4_move *move);
  * still armed. */
 PyObject *renew_drive(connection *c, float linear_m_s, float angular_rad_s);
 
+/* ---- robot files (robot_file.c) ---- */
+
+/* The numbers of a robot file's text by name; ValueError names line and remedy. */
+PyObject *robot_file_read(const char *text);
+/* The text of a robot file; ValueError names what cannot be in it. */
+PyObject *robot_file_write(PyObject *values);
+/* Change what is known in a configuration. */
+PyObject *robot_file_config(PyObject *values, roburoc4_config *config);
+PyObject *robot_file_sim_config(PyObject *values, roburoc4_sim_config *config);
+
 /* ---- what any robot answers (simulator.c) ---- */
 
 /* Make the configuration that of a member of the family. */

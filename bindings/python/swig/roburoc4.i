@@ -34,7 +34,7 @@
 %rename("$ignore", regextarget=1) "^roburoc4_udp_(?!fault_text$|now_us$|resolve$|close$|fd$)";
 %rename("$ignore", regextarget=1) "^roburoc4_recorder_";
 %rename("$ignore", regextarget=1) "^roburoc4_pump_(?!close|running|description|reader|take_events|wait_events).*";
-%rename("$ignore", regextarget=1) "^roburoc4_(sim_(config_(init|family)|create|destroy|receive|advance|poll_transmit|next_deadline)|world_.*)$";
+%rename("$ignore", regextarget=1) "^roburoc4_(sim_(config_(init|family|robot_file)|create|destroy|receive|advance|poll_transmit|next_deadline)|world_.*)$";
 
 #define ROBUROC4_API
 #define ROBUROC4_SIM_API

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from roburoc4 import ArgumentError, robot_file
 from roburoc4.settings import STATUS_SERVICES
 from roburoc4_tools.ros.odometry import Frames
 from roburoc4_tools.ros.published import CMD_VEL, CMD_VEL_UNSTAMPED, PUBLISHED, STOPS, Topic
@@ -39,6 +40,8 @@ class RobotConfig:
     remap: Mapping[str, str] = field(default_factory=dict)
     period_ms: Mapping[str, int] = field(default_factory=dict)
     drive: DriveConfig = field(default_factory=DriveConfig)
+    robot_file: str | None = None
+    """What roburoc4 first-contact or calibrate wrote for this robot."""
 
     def topics(self) -> dict[str, Topic]:
         """Return what it publishes, by key, with remapped names."""
@@ -128,6 +131,14 @@ def _periods_ms(value: Any) -> dict[str, int]:
     return periods
 
 
+def _robot_file(value: Any) -> str:
+    try:
+        robot_file.load(str(value))
+    except ArgumentError as error:  # which names line and remedy
+        raise ConfigError(f"robot_file: {error}") from None
+    return str(value)
+
+
 _TOPICS = {*PUBLISHED, CMD_VEL.name, STOPS[0].name}
 _FRAME_USABLE = "a frame: letters, digits, _ . / -"
 ROBOT_SETTINGS = {
@@ -150,6 +161,7 @@ ROBOT_SETTINGS = {
     "max_angular_rad_s": _Setting(_speed(50.0), "0.001 to 50 rad/s"),
     "max_linear_m_s2": _Setting(_speed(100.0), "0.001 to 100 m/s2"),
     "max_angular_rad_s2": _Setting(_speed(100.0), "0.001 to 100 rad/s2"),
+    "robot_file": _Setting(_robot_file, "a file of roburoc4 first-contact or calibrate"),
     "period_ms": _Setting(
         _periods_ms,
         "a multiple of 10, 10 to 2550, or such by service: " + ", ".join(STATUS_SERVICES),
@@ -201,6 +213,7 @@ def robot_config(name: str, settings: Mapping[str, Any]) -> RobotConfig:
             settings.get("max_linear_m_s2", defaults.drive.max_linear_m_s2),
             settings.get("max_angular_rad_s2", defaults.drive.max_angular_rad_s2),
         ),
+        settings.get("robot_file"),
     )
 
 

@@ -71,6 +71,7 @@ def _connect(config: RobotConfig) -> Robot:
         config.address,
         wait=False,
         period_ms=config.period_ms,
+        **({"robot_file": config.robot_file} if config.robot_file else {}),
         max_linear_m_s=config.drive.max_linear_m_s,
         max_angular_rad_s=config.drive.max_angular_rad_s,
     )

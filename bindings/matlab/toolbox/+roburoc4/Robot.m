@@ -13,6 +13,8 @@ classdef Robot < handle
 %      max_angular_rad_s (1.5)   highest turn rate
 %      scale_linear (1), scale_angular (1)   factors for the speeds given to drive,
 %                                             and of what the wheels count (calibration)
+%      robot_file                file of roburoc4 first-contact or calibrate: ids, inputs, watchdog
+%                                and scales of this robot; other options take precedence
 %      turn_keeping (false)      at a limit, slow down so that the curve stays the same
 %      iocard_period_ms (50), telemeter_period_ms (100), battery_period_ms (1000),
 %      localization_period_ms (50), differential_period_ms (50)

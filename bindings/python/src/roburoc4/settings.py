@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from os import PathLike
 from typing import Any, TypedDict
 
-from . import _native, calibration
+from . import _native, robot_file
 from .constants import Result, Role, Service
 from .errors import ArgumentError, is_within, switch, unusable
 
@@ -43,9 +43,9 @@ class Settings(TypedDict, total=False):
     """Factor on the speed given to ``drive``, and of what the wheels count; 0.01 to 10; 1."""
     scale_angular: float
     """Factor on the turn rate given to ``drive``; 0.01 to 10; 1."""
-    calibration: str | PathLike[str]
-    """File of ``roburoc4 calibrate``, which gives both scales: then distances and angles of moves
-    are as they really are."""
+    robot_file: str | PathLike[str]
+    """File of ``roburoc4 first-contact`` or ``calibrate``: ids, indices of inputs, the robot's
+    watchdog and both scales, as far as it has them. Other arguments take precedence."""
     turn_keeping: bool
     """At a limit, slow down instead of turning less; off."""
     allow_unknown_override: bool
@@ -113,6 +113,16 @@ def set_member(struct: str, settings: object, name: str, value: float) -> None:
     getattr(_native, f"roburoc4_{struct}_{name}_set")(settings, value)
 
 
+def known_of(file: object) -> dict[str, float]:
+    """Return what the robot file says that a setting names."""
+    if not isinstance(file, str | PathLike):
+        raise unusable("robot_file", file, "a path", Result.CONFIG)
+    try:
+        return robot_file.load(file)
+    except ArgumentError as error:
+        raise ArgumentError(f"robot_file: {error}", Result.CONFIG) from error
+
+
 def _set_periods(config: "_native.Config", periods: Mapping[str, int | None]) -> None:
     if not isinstance(periods, Mapping):
         raise unusable(
@@ -134,9 +144,8 @@ def _set(config: "_native.Config", name: str, value: Any) -> None:
         _native.roburoc4_config_role_index_set(config, _ROLES[name], value)
     elif name == "period_ms":
         _set_periods(config, value)
-    elif name == "calibration":
-        for scale, number in calibration.load(value).items():
-            set_member("config", config, scale, number)
+    elif name == "robot_file":
+        _native.robot_file_config(known_of(value), config)
     elif name not in _OPTIONS and name not in _ELSEWHERE:
         set_member("config", config, name, value)
 
@@ -144,7 +153,7 @@ def _set(config: "_native.Config", name: str, value: Any) -> None:
 def config_of(settings: Settings) -> "_native.Config":
     """Make the C struct."""
     config = _native.new_config()
-    for name, value in settings.items():
+    for name, value in sorted(settings.items(), key=lambda item: item[0] != "robot_file"):
         if name not in Settings.__annotations__:
             known = ", ".join(sorted(Settings.__annotations__))
             raise ArgumentError(f"no setting {name!r}: there are {known}", Result.CONFIG)

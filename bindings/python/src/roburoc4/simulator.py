@@ -8,6 +8,7 @@ import os
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from os import PathLike
 from typing import Any, Concatenate, ParamSpec, Self, SupportsFloat, TypedDict, TypeVar, Unpack
 
 from . import _native
@@ -24,7 +25,7 @@ from .errors import (
 )
 from .records import Pose, SimState
 from .robot import Robot, connect
-from .settings import STATUS_SERVICES, Settings, set_member
+from .settings import STATUS_SERVICES, Settings, known_of, set_member
 from .virtual import VirtualConnection, run
 
 __all__ = ["SimSettings", "Simulator"]
@@ -43,6 +44,8 @@ class SimSettings(TypedDict, total=False):
     ``roburoc4_sim.h`` describes each, and docs/PROTOCOL.md those that the manual leaves open.
     """
 
+    robot_file: str | PathLike[str]
+    """Be the robot of this file; other settings take precedence."""
     watchdog_cycles: int
     iocard_id: int
     telemeter_id: int
@@ -135,7 +138,9 @@ class SimSettings(TypedDict, total=False):
 
 def _set(config: "_native.SimConfig", name: str, value: Any) -> None:
     service, _, kind = name.rpartition("_")
-    if service in STATUS_SERVICES and kind == "id":
+    if name == "robot_file":
+        _native.robot_file_sim_config(known_of(value), config)
+    elif service in STATUS_SERVICES and kind == "id":
         _native.roburoc4_sim_config_service_ids_set(config, STATUS_SERVICES[service], value)
     elif service in STATUS_SERVICES and kind == "type":
         _native.roburoc4_sim_config_service_types_set(config, STATUS_SERVICES[service], value)
@@ -150,7 +155,8 @@ def _config_of(seed: int | None, family: int | None, settings: SimSettings) -> "
             raise unusable("family", family, f"0 to {2**53}", Result.CONFIG)
         _native.draw_family(config, int(family))
     seeds = {} if seed is None else {"seed": seed}
-    for name, value in {**seeds, **settings}.items():
+    given = {**seeds, **settings}
+    for name, value in sorted(given.items(), key=lambda item: item[0] != "robot_file"):
         if name not in SimSettings.__annotations__ and name != "seed":
             known = ", ".join(sorted(SimSettings.__annotations__))
             raise ArgumentError(f"no setting {name!r}: there are {known}", Result.CONFIG)
@@ -163,8 +169,8 @@ def _config_of(seed: int | None, family: int | None, settings: SimSettings) -> "
     wrong = _native.roburoc4_sim_config_error(config)
     if wrong is not None:
         about = wrong.partition(":")[0].removeprefix("service_").removesuffix("s")
-        given = ", ".join(f"{n}={v!r}" for n, v in settings.items() if n.endswith(about))
-        raise ArgumentError(f"{given or 'a setting'} is out of range: {wrong}", Result.CONFIG)
+        named = ", ".join(f"{n}={v!r}" for n, v in settings.items() if n.endswith(about))
+        raise ArgumentError(f"{named or 'a setting'} is out of range: {wrong}", Result.CONFIG)
     return config
 
 

@@ -6,9 +6,8 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
-
-from roburoc4 import calibration
 
 from . import moves, session
 from .errors import ExitCode, refused, usage
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
     from roburoc4 import Robot
 
 _METRES = number(0.5, 20.0, "m")
+_LEAST, _MOST = 0.5, 2.0
 _TURNS = number(1.0, 10.0, "turns")
 
 
@@ -38,10 +38,12 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         help="measure how far the robot really drives and turns, and write that to a file",
         description="Drive straight, turn to the left and turn to the right, and ask each time how "
         "far that really was: mark the floor at a wheel and read a tape measure. The wheels slip, "
-        "above all in turns, and odometry does not notice. Give the file to --calibration of the "
-        "commands that drive, or to connect(calibration=...).",
+        "above all in turns, and odometry does not notice. Give the file to --robot-file of the "
+        "commands that drive, or to connect(robot_file=...).",
     )
-    parser.add_argument("file", metavar="FILE", help="written at the end; replaced if it exists")
+    parser.add_argument(
+        "file", metavar="FILE", help="the robot file: written at the end, and changed if it exists"
+    )
     parser.add_argument(
         "--metres", type=_METRES, default=2.0, metavar="M", help="way ahead (default 2)"
     )
@@ -49,24 +51,48 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "--turns", type=_TURNS, default=2.0, metavar="N", help="turns each way (default 2)"
     )
     moves.add_looking(parser)
-    session.add_driving(parser, calibrated=False)
+    session.add_driving(parser, with_file=False)
     add_robot(parser)
     parser.set_defaults(run=_run)
 
 
 def _run(options: CalibrateOptions) -> int:
+    from roburoc4 import robot_file
+
+    known = _known(options.file)
     intention = f"{options.metres:g} m straight, then {options.turns:g} turns each way"
-    with session.driven(options) as robot:
+    options.robot_file = options.file if known else None
+    with session.driven(options, scale_linear=1.0, scale_angular=1.0) as robot:
         session.confirm(robot, options, intention)
         session.refuse_override(robot)
         with session.armed(robot):
             scale_linear, scale_angular = measure(robot, options)
+    known |= {"scale_linear": scale_linear, "scale_angular": scale_angular}
     try:
-        calibration.save(options.file, scale_linear, scale_angular)
+        robot_file.save(options.file, known)
     except OSError as error:
         raise refused(f"{options.file}: cannot be written: {error.strerror}") from None
     print(f"{options.file}: scale_linear {scale_linear:.4f}, scale_angular {scale_angular:.4f}")
     return ExitCode.FINE
+
+
+def _known(file: str) -> dict[str, float]:
+    """Return what the file has already, but for scales: they are measured without them."""
+    from roburoc4 import ArgumentError, robot_file
+
+    if not Path(file).exists():
+        return {}
+    try:
+        return robot_file.load(file)
+    except ArgumentError as error:
+        raise usage(str(error)) from None
+
+
+def checked(name: str, scale: float) -> float:
+    """Refuse a scale that no robot has."""
+    if not _LEAST <= scale <= _MOST:
+        raise refused(f"{name}: {scale:g} is not {_LEAST:g} to {_MOST:g}: measure again")
+    return scale
 
 
 def measure(robot: Robot, options: CalibrateOptions) -> tuple[float, float]:
@@ -85,8 +111,8 @@ def measure(robot: Robot, options: CalibrateOptions) -> tuple[float, float]:
             f"To the {side} the wheels counted {counted:.1f} degrees. How many was it really? "
         )
     return (
-        calibration.checked("scale_linear", way.distance_m / metres),
-        calibration.checked("scale_angular", counted_rad / math.radians(degrees)),
+        checked("scale_linear", way.distance_m / metres),
+        checked("scale_angular", counted_rad / math.radians(degrees)),
     )
 
 

@@ -54,6 +54,7 @@ class DashboardOptions(Options):
     bind: str
     enable_drive: bool
     allow_unknown_override: bool
+    robot_file: str | None
     max_linear: float
     max_angular: float
     lease_ms: int
@@ -102,6 +103,11 @@ def _add_seen(parser: argparse.ArgumentParser) -> None:
 
 def _add_driving(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("driving")
+    group.add_argument(
+        "--robot-file",
+        metavar="FILE",
+        help="what roburoc4 first-contact or calibrate wrote for this robot",
+    )
     group.add_argument("--enable-drive", action="store_true", help="let one page at a time drive")
     group.add_argument(
         "--max-linear",
@@ -392,6 +398,8 @@ def _robot(options: DashboardOptions, address: str) -> Iterator[Robot]:
     }
     if options.allow_unknown_override:
         settings["allow_unknown_override"] = True
+    if options.robot_file is not None:
+        settings["robot_file"] = options.robot_file
     try:
         robot = connect(address, wait=False, **settings, **recording())
     except ArgumentError as error:

@@ -38,16 +38,23 @@ class DrivingOptions(Options):
 
     yes: bool
     allow_unknown_override: bool
-    calibration: str | None
+    robot_file: str | None
 
 
-def add_driving(parser: argparse.ArgumentParser, *, calibrated: bool = True) -> None:
-    """Add `--calibration`, `--allow-unknown-override` and `--yes`."""
-    parser.set_defaults(calibration=None)
-    if calibrated:
-        parser.add_argument(
-            "--calibration", metavar="FILE", help="what roburoc4 calibrate wrote for this robot"
-        )
+def add_robot_file(parser: argparse.ArgumentParser) -> None:
+    """Add `--robot-file`."""
+    parser.add_argument(
+        "--robot-file",
+        metavar="FILE",
+        help="what roburoc4 first-contact or calibrate wrote for this robot",
+    )
+
+
+def add_driving(parser: argparse.ArgumentParser, *, with_file: bool = True) -> None:
+    """Add `--robot-file`, `--allow-unknown-override` and `--yes`."""
+    parser.set_defaults(robot_file=None)
+    if with_file:
+        add_robot_file(parser)
     parser.add_argument(
         "--allow-unknown-override",
         action="store_true",
@@ -111,9 +118,11 @@ def note_recording(robot: Robot) -> None:
 
 
 @contextmanager
-def driven(options: DrivingOptions, speeds: tuple[float, float] = (0.0, 0.0)) -> Iterator[Robot]:
+def driven(
+    options: DrivingOptions, speeds: tuple[float, float] = (0.0, 0.0), **more: float
+) -> Iterator[Robot]:
     """Connect to a robot that may be driven this fast: its game pad is known to be released."""
-    settings = {**_ceilings(*speeds), **recording(), **_calibration(options)}
+    settings = {**_ceilings(*speeds), **recording(), **robot_file_of(options), **more}
     with unsuspendable(), connected(options, **settings) as robot:
         note_recording(robot)
         if _has_inputs(robot):
@@ -127,18 +136,22 @@ def driven(options: DrivingOptions, speeds: tuple[float, float] = (0.0, 0.0)) ->
             )
     note("driving without knowing the game pad's state: keep an emergency stop in your hand")
     blind = {"allow_unknown_override": True, "override_index": _NO_INPUT}
-    with unsuspendable(), connected(options, **blind, **settings) as robot:
+    with unsuspendable(), connected(options, **settings, **blind) as robot:
         note_recording(robot)
         yield robot
 
 
-def _calibration(options: DrivingOptions) -> dict[str, Any]:
-    from roburoc4 import ArgumentError, calibration
+def robot_file_of(options: DrivingOptions) -> dict[str, Any]:
+    """Return the setting of a readable robot file."""
+    from roburoc4 import ArgumentError, robot_file
 
+    if not options.robot_file:
+        return {}
     try:
-        return calibration.load(options.calibration) if options.calibration else {}
+        robot_file.load(options.robot_file)
     except ArgumentError as error:
-        raise usage(f"--calibration: {error}") from None
+        raise usage(f"--robot-file: {error}") from None
+    return {"robot_file": options.robot_file}
 
 
 def _ceilings(linear_m_s: float, angular_rad_s: float) -> dict[str, float]:

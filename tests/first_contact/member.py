@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: MIT
+"""A drawn robot in virtual time, the network to it, and a person who does what is asked."""
+
+import ctypes
+import heapq
+import random
+from collections.abc import Callable
+from pathlib import Path
+
+from roburoc4_tools.first_contact.world import Datagram, World
+
+_POWER, _MOTORS, _ESTOP, _FRONT, _REAR, _PAD = 0, 1, 3, 7, 8, 10
+_PAD_A, _RIGHT_TRIGGER = 108, 208
+_CONFIG_BYTES = 1024
+_FILE_BYTES, _TEXT_BYTES = 528, 6144
+
+
+class Setting(ctypes.Structure):
+    """A row of the simulator's table of settings."""
+
+    _fields_ = [("name", ctypes.c_char_p), ("offset", ctypes.c_size_t)]
+
+
+class Library:
+    """The simulator, as a shared library with all of its symbols."""
+
+    def __init__(self, path: Path) -> None:
+        self.c = ctypes.CDLL(str(path))
+        self.c.roburoc4_sim_create.restype = ctypes.c_void_p
+        self.c.roburoc4_sim_next_deadline.restype = ctypes.c_uint64
+        self.c.sim_setting_at.restype = ctypes.POINTER(Setting)
+        self.c.sim_setting_get.restype = ctypes.c_double
+        self.c.sim_battery_voltage.restype = ctypes.c_float
+        self.c.roburoc4_sim_set.argtypes = (ctypes.c_void_p, ctypes.c_uint32, ctypes.c_double)
+        self.c.sim_config_set.argtypes = (ctypes.c_void_p, ctypes.c_char_p, ctypes.c_double)
+
+    def member(self, seed: int, **changes: float) -> tuple[ctypes.Array, dict[str, float]]:
+        """Draw a robot; return its configuration, and the same by name."""
+        config = ctypes.create_string_buffer(_CONFIG_BYTES)
+        size = next(n for n in range(8, _CONFIG_BYTES, 8) if self._fits(config, n))
+        self.c.roburoc4_sim_config_family(config, ctypes.c_size_t(size), ctypes.c_uint64(seed))
+        for name, value in changes.items():
+            assert self.c.sim_config_set(config, name.encode(), value) == 0, name
+        return config, self.settings(config)
+
+    def _fits(self, config: ctypes.Array, size: int) -> bool:
+        ok = self.c.roburoc4_sim_config_init(config, ctypes.c_size_t(size)) == 0
+        larger = self.c.roburoc4_sim_config_init(config, ctypes.c_size_t(size + 8)) == 0
+        return ok and not larger
+
+    def of_robot_file(self, known: dict[str, float]) -> dict[str, float]:
+        """Return the settings of a simulator with the robot file of what is known."""
+        file = ctypes.create_string_buffer(_FILE_BYTES)
+        for name, value in known.items():
+            result = self.c.roburoc4_robot_file_set(file, name.encode(), ctypes.c_float(value))
+            assert result == 0, f"{name} = {value}"
+        text = ctypes.create_string_buffer(_TEXT_BYTES)
+        length = self.c.roburoc4_robot_file_write(file, text, ctypes.c_size_t(_TEXT_BYTES))
+        remedy = ctypes.c_char_p()
+        size = ctypes.c_size_t(length)
+        line = self.c.roburoc4_robot_file_read(file, text, size, ctypes.byref(remedy))
+        assert line == 0, f"line {line}: {remedy.value!r}"
+        config = ctypes.create_string_buffer(_CONFIG_BYTES)
+        fitting = next(n for n in range(8, _CONFIG_BYTES, 8) if self._fits(config, n))
+        self.c.roburoc4_sim_config_init(config, ctypes.c_size_t(fitting))
+        self.c.roburoc4_sim_config_robot_file(config, file)
+        return self.settings(config)
+
+    def settings(self, config: ctypes.Array) -> dict[str, float]:
+        found: dict[str, float] = {}
+        index = 0
+        while row := self.c.sim_setting_at(ctypes.c_uint32(index)):
+            found[row.contents.name.decode()] = self.c.sim_setting_get(config, row)
+            index += 1
+        return found
+
+
+class VirtualWorld(World):
+    """A member of the family, and people who do what they are asked, within a tenth of a second."""
+
+    def __init__(self, library: Library, config: ctypes.Array, other_port: bool) -> None:
+        self._c = library.c
+        self._sim = ctypes.c_void_p(self._c.roburoc4_sim_create(config))
+        assert self._sim
+        self._us = 1_000_000
+        self._other_port = other_port
+        self._closed: set[int] = set()
+        self._events: list[tuple[int, int, Callable[[], None]]] = []
+        self._people = random.Random(1)
+        self._buffer = ctypes.create_string_buffer(512)
+        self.asked: list[str] = []
+        self.holds = True
+        self.let_go_at_s = self.held_again_s = float("inf")
+        self._c.roburoc4_sim_advance(self._sim, ctypes.c_uint64(self._us))
+
+    def __del__(self) -> None:
+        self._c.roburoc4_sim_destroy(self._sim)
+
+    @property
+    def now_s(self) -> float:
+        return self._us / 1e6
+
+    def send(self, port: int, data: bytes) -> None:
+        self._closed.discard(port)
+        self._c.roburoc4_sim_receive(
+            self._sim, ctypes.c_uint64(port + 1), data, ctypes.c_size_t(len(data))
+        )
+
+    def wait(self, seconds: float) -> list[Datagram]:
+        end_us = self._us + max(1, round(seconds * 1e6))
+        heard: list[Datagram] = []
+        while self._us < end_us:
+            due_us = self._c.roburoc4_sim_next_deadline(self._sim)
+            event_us = self._events[0][0] if self._events else end_us
+            self._us = min(end_us, max(self._us + 1, min(due_us, event_us)))
+            while self._events and self._events[0][0] <= self._us:
+                heapq.heappop(self._events)[2]()
+            self._c.roburoc4_sim_advance(self._sim, ctypes.c_uint64(self._us))
+            self._take(heard)
+        return heard
+
+    def _take(self, heard: list[Datagram]) -> None:
+        peer = ctypes.c_uint64()
+        while (
+            size := self._c.roburoc4_sim_poll_transmit(
+                self._sim, ctypes.byref(peer), self._buffer, ctypes.c_size_t(512)
+            )
+        ) > 0:
+            port, data = peer.value - 1, self._buffer.raw[:size]
+            if port in self._closed:
+                self._c.roburoc4_sim_receive(self._sim, peer, None, ctypes.c_size_t(0))
+            else:
+                other = self._other_port and data[:1] == b"\xff"
+                heard.append(Datagram(self.now_s, port, data, other))
+
+    def close(self, port: int) -> None:
+        self._closed.add(port)
+
+    def reopen(self, port: int) -> None:
+        self._closed.discard(port)
+
+    def _set(self, control: int, value: float) -> None:
+        self._c.roburoc4_sim_set(self._sim, control, value)
+
+    def _later(self, seconds: float, control: int, value: float) -> None:
+        at_us = self._us + round(seconds * 1e6)
+        heapq.heappush(self._events, (at_us, len(self._events), lambda: self._set(control, value)))
+
+    def please(self, key: str, text: str) -> None:
+        self.asked.append(key)
+        if key == "restart":
+            self._set(_POWER, 0)
+            self.wait(5.0)
+            self._set(_POWER, 1)
+        elif key == "lift":
+            self._c.roburoc4_sim_clear_obstacles(self._sim)  # the wheels turn freely
+        elif key == "pad_forward":
+            self._set(_RIGHT_TRIGGER, -0.6)
+        elif key == "motors_on":
+            self._set(_MOTORS, 1)
+        elif key.startswith(("press_", "release_")):
+            deed, _, what = key.partition("_")
+            control = {"front_bumper": _FRONT, "rear_bumper": _REAR, "pad_a": _PAD_A}[what]
+            if key == "release_pad_a":
+                self._set(_PAD, 0)
+            self._set(control, deed == "press")
+        elif key.startswith("estop"):
+            self._set(_ESTOP, key == "estop_press")
+        self.wait(self._people.uniform(0.5, 2.0))
+
+    def ask(self, key: str, text: str) -> str:
+        self.asked.append(key)
+        if key == "battery_v":
+            return f"{self._c.sim_battery_voltage(self._sim):.1f}"
+        return "yes"
+
+    def countdown(self, key: str, text: str, seconds: float) -> None:
+        self.asked.append(key)
+        at_s = seconds + self._people.uniform(-0.08, 0.08)
+        if key in ("tap_pad_a", "press_pad_a"):
+            self._later(at_s, _PAD_A, 1)
+        if key == "tap_pad_a":
+            self._later(at_s + 0.15, _PAD_A, 0)
+        elif key == "release_pad_a":
+            self._later(at_s, _PAD_A, 0)
+
+    def hold(self, text: str) -> None:
+        self.asked.append("hold")
+        self.holds = True
+        self.held_again_s = self.now_s
+
+    def held(self) -> bool:
+        if self.now_s >= self.let_go_at_s and self.held_again_s == float("inf"):
+            self.holds = False
+        return self.holds

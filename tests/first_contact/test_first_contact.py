@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: MIT
+"""First contact with simulated robots in virtual time; $ROBUROC4_SIM_LIBRARY is the simulator."""
+
+import json
+import os
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from family import contact_with, wrong
+from member import Library, VirtualWorld
+
+from roburoc4_tools.first_contact.contact import Contact
+
+DRIVEN, REFUSED = 10, 7
+"""Seeds: a robot that is driven to the end, and one that does not report its inputs."""
+
+
+class FirstContact(unittest.TestCase):
+    """What a person with docs/first-contact.md is promised."""
+
+    def setUp(self) -> None:
+        self.library = Library(Path(os.environ["ROBUROC4_SIM_LIBRARY"]))
+
+    def contact(self, seed: int, **changes: float) -> Contact:
+        config, drawn = self.library.member(seed, **changes)
+        return Contact(VirtualWorld(self.library, config, bool(drawn["other_status_port"])))
+
+    def test_what_is_measured_is_what_was_drawn(self) -> None:
+        for seed in (0, 2, 3, 5, DRIVEN, 11, 47):
+            with self.subTest(seed=seed):
+                contact, member = contact_with(self.library, seed)
+                assert wrong(contact, member) == []
+
+    def test_a_simulator_with_the_robot_file_is_that_robot(self) -> None:
+        contact, member = contact_with(self.library, DRIVEN)
+        simulated = self.library.of_robot_file(contact.session.known)
+        for name, value, tolerance in (*member.answers(), *member.on_wheels()):
+            if name in simulated:
+                assert abs(simulated[name] - value) <= tolerance + 1e-6, name
+        assert simulated["input_shift"] == member.t["input_shift"]
+        assert abs(simulated["watchdog_cycles"] - member.t["watchdog_cycles"]) <= 5
+
+    def test_an_interrupted_contact_goes_on_where_it_was(self) -> None:
+        whole, _member = contact_with(self.library, DRIVEN)
+        first = self.contact(DRIVEN)
+        for step in first.steps():
+            if step.name == "watchdog":
+                break
+        second = Contact(first.session.world)
+        second.resume(json.loads(json.dumps(first.state())))
+        names = [step.name for step in second.steps()]
+        assert names[0] == "watchdog"
+        assert whole.session.known.keys() == second.session.known.keys()
+        assert second.refused is None
+
+    def test_nothing_moves_unless_the_key_is_held(self) -> None:
+        contact = self.contact(DRIVEN)
+        world = contact.session.world
+        world.holds = False
+        spoken = [step.name for step in contact.steps() if step.name == "stops"]
+        assert spoken == ["stops"]
+        assert "hold" in world.asked
+
+    def test_letting_go_stops_the_robot_and_repeats_the_step(self) -> None:
+        contact = self.contact(DRIVEN)
+        world, s = contact.session.world, contact.session
+        for step in contact.steps():
+            if step.name == "responses":
+                world.let_go_at_s = world.now_s + 2.0
+            if step.name == "reports":
+                break
+        assert "again" in world.asked
+        let_go_s = world.let_go_at_s
+        head = b"\xff" + s.ids["differential"].to_bytes(2, "little")
+        sent = [
+            (at_s, data[3:] != bytes(8))
+            for at_s, _port, out, data in s.log
+            if out and data[:3] == head and let_go_s < at_s < world.held_again_s
+        ]
+        assert len(sent) > 3
+        assert not any(moves for _at_s, moves in sent)
+
+    def test_a_robot_that_endangers_is_refused_with_the_reason(self) -> None:
+        for change, reason in (
+            ({"hidden_services": 64}, "no_differential"),
+            ({"digital_inputs": 5}, "no_game_pad"),
+            ({"refused_inserts": 4}, "no_inputs"),
+            ({"max_subscriptions": 1}, "list_full"),
+            ({"queue_uplink_ms": 400, "queue_differential_ms": 300}, "late"),
+            ({"watchdog_cycles": 3000}, "slow_watchdog"),
+            ({"odometry_mirrored": 1}, "odometry"),
+        ):
+            with self.subTest(reason=reason):
+                contact = self.contact(DRIVEN, **change)
+                moved = [step.name for step in contact.steps() if step.moves]
+                assert contact.refused is not None
+                assert contact.refused.reason == reason
+                if reason.startswith("no_") or reason == "list_full":
+                    assert moved == []
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 first-contact FOLDER`: half an hour that makes a robot known."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import zipfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import session
+from .errors import ExitCode, refused, unwritable, usage
+from .options import DEFAULT_ROBOT, Options, add_robot
+from .output import note
+from .signals import Signalled, unsuspendable
+
+if TYPE_CHECKING:
+    from ..first_contact.contact import Contact
+    from ..first_contact.terminal import TerminalWorld
+
+_STATE, _FILE = "contact.json", "robot.txt"
+_KEPT = (_FILE, "contact.html", "contact.pcapng")
+_CHECKLIST = (
+    "Two people: one here, one at the robot with the remote emergency stop in hand.",
+    "No people, animals, stairs, edges or cables near the robot; the charger is unplugged.",
+    "Main switch on, battery not nearly empty, brakes selector on Automatic, both stops released.",
+    "The remote's green button, then the green button of the panel; the game pad is on.",
+    "Nobody else's program talks to the robot.",
+)
+
+
+class ContactOptions(Options):
+    """Options of this command."""
+
+    folder: Path
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "first-contact",
+        help="find out, with two people, what a robot answers where its manual is silent",
+        description="Ask, watch and measure step by step, first with the wheels off the ground, "
+        "and write a robot file for --robot-file of all commands, a page, and a recording without "
+        "addresses. Nothing moves unless the space bar is held. Interrupted, it goes on where it "
+        "was. docs/first-contact.md describes each step.",
+    )
+    parser.add_argument("folder", metavar="FOLDER", type=Path, help="where the results are kept")
+    add_robot(parser)
+    parser.set_defaults(run=_run)
+
+
+def _run(options: ContactOptions) -> int:
+    from roburoc4.protocol import resolve
+
+    from ..first_contact.contact import Contact
+    from ..first_contact.terminal import TerminalWorld
+    from .keyboard import Keyboard
+
+    if not sys.stdin.isatty():
+        raise usage("first-contact needs a terminal: people answer, and hold a key")
+    try:
+        options.folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise unwritable(options.folder, error) from None
+    host, _, port = resolve(options.robot or DEFAULT_ROBOT).rpartition(":")
+    with unsuspendable(), Keyboard() as keyboard:
+        world = TerminalWorld(host, int(port), keyboard)
+        contact = Contact(world)
+        _resume(contact, options.folder, world)
+        try:
+            _go(contact, options.folder)
+        except (KeyboardInterrupt, Signalled):
+            note("interrupted: the same command goes on where this was")
+            raise
+        finally:
+            contact.session.leave()
+            _keep(contact, options.folder)
+        if contact.refused is None:
+            _ground(contact, options, world)
+    if contact.refused is not None:
+        raise refused(
+            f"{contact.refused} ({contact.refused.reason}; {options.folder}/contact.html)"
+        )
+    note(f"{options.folder / _FILE} is the robot file; send contact.zip to the project, please")
+    return ExitCode.FINE
+
+
+def _resume(contact: Contact, folder: Path, world: TerminalWorld) -> None:
+    try:
+        state = json.loads((folder / _STATE).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        for text in _CHECKLIST:
+            world.please("checklist", text)
+        return
+    contact.resume(state)
+    note(f"going on after {len(contact.done)} steps")
+
+
+def _go(contact: Contact, folder: Path) -> None:
+    for step in contact.steps():
+        note(f"\n{step.name}: {step.moves or 'nothing moves'}")
+        (folder / _STATE).write_text(json.dumps(contact.state()), encoding="utf-8")
+
+
+def _keep(contact: Contact, folder: Path) -> None:
+    from roburoc4 import robot_file
+
+    from ..first_contact import bundle
+
+    (folder / _STATE).write_text(json.dumps(contact.state()), encoding="utf-8")
+    if contact.session.known:
+        robot_file.save(folder / _FILE, contact.session.known)
+    bundle.write(contact, folder)
+    with zipfile.ZipFile(folder / "contact.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in _KEPT:
+            if (folder / name).exists():
+                archive.write(folder / name, name)
+
+
+def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld) -> None:
+    from ..first_contact import ground
+    from ..first_contact.session import ReleasedError, UnsafeError
+
+    world.please(
+        "ground",
+        "Robot on the ground, 5 m free all around. It will move 1 m, turn left "
+        "by 90 degrees, and stop from 0.3 and 0.6 m/s. If not: emergency stop.",
+    )
+    with session.connected(options, robot_file=options.folder / _FILE) as robot:
+        world.hold("Hold the space bar; the robot stops when it is let go.")
+        robot.arm()
+
+        def ask(text: str) -> str:
+            answer = world.ask("measured", text)
+            world.hold("Hold the space bar again.")
+            return answer
+
+        try:
+            found = ground.drive(robot, world.held, ask)
+        except UnsafeError as reason:
+            contact.refused = reason
+            return
+        except ReleasedError:
+            raise refused("the key was let go: the robot was stopped; start again") from None
+        finally:
+            robot.stop()
+    scales = {name: value for name, value in found.items() if name.startswith("scale_")}
+    contact.session.known |= scales
+    contact.session.notes |= {k: v for k, v in found.items() if k not in scales}
+    _keep(contact, options.folder)

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: MIT
+"""The order of the steps: each can be interrupted, and is not repeated after it is done."""
+
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple
+
+from . import identify, watch, wheels
+from .response import Response
+from .session import ReleasedError, Session, UnsafeError
+from .world import World
+
+
+class Step(NamedTuple):
+    """What is done, and what the person is told before it."""
+
+    name: str
+    moves: str
+    """What moves, how far, and what to do if it does something else; "": nothing moves."""
+    run: Callable[[Session], None]
+
+
+_WHEELS = "The wheels turn {} in the air. If they do not stop: emergency stop."
+
+STEPS = (
+    Step("directory", "", identify.directory),
+    Step("errors", "", identify.errors),
+    Step("texts", "", identify.texts),
+    Step("subscriptions", "", identify.subscriptions),
+    Step("lengths", "", identify.lengths),
+    Step("inputs", "", watch.inputs),
+    Step("may be driven", "", wheels.may_be_driven),
+    Step("stops", _WHEELS.format("forward, at 0.1 m/s, for 6 s,"), wheels.stops),
+    Step("responses", _WHEELS.format("forward, then in place, up to 0.4 m/s,"), wheels.responses),
+    Step("reports", _WHEELS.format("with changing speeds for 40 s"), wheels.reports),
+    Step("watchdog", _WHEELS.format("until the robot stops them by itself"), wheels.watchdog),
+    Step("pad", _WHEELS.format("while [A] is pressed and released"), wheels.pad),
+    Step("motors", _WHEELS.format("not at all, without motor power,"), wheels.motors),
+    Step("power on", _WHEELS.format("forward, at 0.1 m/s, for 2 s"), wheels.power_on),
+    Step("odometry", _WHEELS.format("forward, then in place, for 3 s each,"), wheels.odometry),
+    Step("may leave the stand", "", wheels.may_leave_the_stand),
+)
+
+
+class Contact:
+    """A first contact, as far as it has come."""
+
+    def __init__(self, world: World) -> None:
+        self.session = Session(world)
+        self.done: list[str] = []
+        self.refused: UnsafeError | None = None
+
+    def state(self) -> dict[str, Any]:
+        """Return what resume() needs, as JSON can hold it."""
+        s = self.session
+        return {
+            "done": self.done,
+            "known": s.known,
+            "ids": s.ids,
+            "fixed": s.fixed,
+            "usable": s.usable,
+            "notes": s.notes,
+            "responses": {str(axis): list(found) for axis, found in s.responses.items()},
+        }
+
+    def resume(self, state: dict[str, Any]) -> None:
+        """Go on where an interrupted contact was."""
+        s = self.session
+        self.done = list(state["done"])
+        s.known, s.ids, s.fixed = dict(state["known"]), dict(state["ids"]), state["fixed"]
+        s.usable, s.notes = list(state["usable"]), dict(state["notes"])
+        s.responses = {int(axis): Response(*found) for axis, found in state["responses"].items()}
+
+    def steps(self) -> Iterable[Step]:
+        """Yield each step that is left, before it runs; ends early where one refuses to go on."""
+        for step in STEPS:
+            if step.name in self.done:
+                continue
+            yield step
+            if not self._run(step):
+                return
+            self.done.append(step.name)
+
+    def _run(self, step: Step) -> bool:
+        s = self.session
+        s.moving = bool(step.moves)
+        while True:
+            try:
+                s.hold()
+                step.run(s)
+            except ReleasedError:
+                s.world.please("again", "The key was let go, and zeros were sent. Once more?")
+            except UnsafeError as refused:
+                self.refused = refused
+                return False
+            else:
+                return True

@@ -1,0 +1,247 @@
+# SPDX-License-Identifier: MIT
+"""A conversation with a robot of which nothing is known yet, and everything it said."""
+
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from . import wire
+from .world import World
+
+if TYPE_CHECKING:
+    from .response import Response
+
+CYCLE_S = 0.01
+COMMAND_S = 0.05
+MAX_M_S, MAX_RAD_S = 0.6, 1.2
+"""No command of these steps is faster, but for one that is sent while there is no motor power."""
+_PATIENCE_S = 1.5
+_PORT = 0
+
+
+class ReleasedError(Exception):
+    """The key was let go, and the robot was stopped."""
+
+
+class UnsafeError(Exception):
+    """Going on would endanger somebody; the reason's name and a sentence."""
+
+    def __init__(self, reason: str, text: str) -> None:
+        super().__init__(text)
+        self.reason = reason
+
+
+class Session:
+    """One robot: telegrams out and in, what is known, and which datagrams prove it."""
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.known: dict[str, float] = {}
+        self.proof: dict[str, tuple[int, int]] = {}
+        self.log: list[tuple[float, int, bool, bytes]] = []
+        self.ids: dict[str, int] = {}
+        self.fixed = False
+        self.statuses: list[wire.Status] = []
+        self.samples: list[wire.Speeds] = []
+        self._answers: deque[wire.Answer] = deque()
+        self._asked: deque[tuple[int, float]] = deque()
+        self._last_id = 1
+        self._since = 0
+        self.commanded_s = 0.0
+        self.moving = False
+        """Whether this step moves the robot: then the key is held after each question."""
+        self.usable: list[str] = []
+        self.responses: dict[int, Response] = {}
+        self.notes: dict[str, float] = {}
+
+    # ---- what is known
+
+    def learn(self, name: str, value: float) -> None:
+        """Keep an answer, with the datagrams since the last question."""
+        self.known[name] = value
+        self.proof[name] = (self._since, len(self.log))
+
+    def begin(self) -> None:
+        """Begin a question."""
+        self._since = len(self.log)
+
+    def please(self, key: str, text: str) -> None:
+        """Ask for something to be done."""
+        self.world.please(key, text)
+        self.hold()
+
+    def ask(self, key: str, text: str) -> str:
+        """Ask a question."""
+        answer = self.world.ask(key, text)
+        self.hold()
+        return answer
+
+    def hold(self) -> None:
+        """In a step that moves the robot, wait until the key is held."""
+        if self.moving and not self.world.held():
+            self.world.hold("Hold the space bar; the robot stops when it is let go.")
+
+    # ---- datagrams
+
+    def send(self, data: bytes, port: int = _PORT) -> None:
+        """Send a datagram from one of our ports."""
+        self.log.append((self.world.now_s, port, True, data))
+        self.world.send(port, data)
+
+    def pump(self, seconds: float) -> None:
+        """Let time pass, and sort what arrives."""
+        for datagram in self.world.wait(seconds):
+            self.log.append((datagram.at_s, datagram.port, False, datagram.data))
+            if datagram.data[:1] == b"\xff":
+                status = wire.status_of(*datagram)
+                if status is not None:
+                    self.statuses.append(status)
+                continue
+            answer = wire.answer_of(*datagram[:3])
+            if not self._is_sample(answer):
+                self._answers.append(answer)
+
+    def _is_sample(self, answer: wire.Answer) -> bool:
+        if (
+            not self._asked
+            or answer.action != wire.GET
+            or answer.error
+            or answer.target != self.ids.get("differential")
+            or len(answer.payload) != 52
+        ):
+            return False
+        if not self.fixed:
+            while self._asked and self._asked[0][0] != answer.id:
+                self._asked.popleft()
+        if self._asked:
+            _number, asked_s = self._asked.popleft()
+            self.samples.append(wire.speeds_of(asked_s, answer.payload))
+        return True
+
+    def next_id(self) -> int:
+        """Return an id that no open request has, if the robot allows that."""
+        if self.known.get("only_id_fixed"):
+            return wire.MANUAL_ID
+        self._last_id = self._last_id + 1 if self._last_id < 254 else 2
+        return self._last_id
+
+    def request(
+        self,
+        action: int,
+        target: int,
+        payload: bytes = b"",
+        *,
+        port: int = _PORT,
+        patience_s: float = _PATIENCE_S,
+        tries: int = 2,
+    ) -> wire.Answer | None:
+        """Send a request and return its answer, an error too; None if there is none."""
+        for _try in range(tries):
+            number = self.next_id()
+            self._answers.clear()
+            self.send(wire.request(number, action, target, payload), port)
+            end_s = self.world.now_s + patience_s
+            while self.world.now_s < end_s:
+                self.pump(CYCLE_S)
+                while self._answers:
+                    answer = self._answers.popleft()
+                    if answer.port == port and self._fits(answer, number, action, target):
+                        return answer
+        return None
+
+    def _fits(self, answer: wire.Answer, number: int, action: int, target: int) -> bool:
+        if answer.action is None:
+            return answer.id == 0
+        same = answer.action == action and answer.target == target
+        return same and (answer.id in (number, 0) or self.fixed)
+
+    def answers(self) -> list[wire.Answer]:
+        """Take the answers that no request waited for."""
+        taken = list(self._answers)
+        self._answers.clear()
+        return taken
+
+    # ---- subscriptions
+
+    def subscribe(self, service: str, period_cycles: int, port: int = _PORT) -> wire.Answer | None:
+        """Ask for the statuses of a service."""
+        wanted = self.ids[service].to_bytes(2, "little") + bytes([period_cycles])
+        return self.request(wire.INSERT, wire.NOTIFICATION, wanted, port=port)
+
+    def unsubscribe(self, service: str, port: int = _PORT) -> wire.Answer | None:
+        """End them."""
+        wanted = self.ids[service].to_bytes(2, "little")
+        return self.request(wire.DELETE, wire.NOTIFICATION, wanted, port=port)
+
+    def listen(self, seconds: float, port: int | None = _PORT) -> dict[str, list[wire.Status]]:
+        """Return the statuses of the next seconds, by service."""
+        self.statuses.clear()
+        self.pump(seconds)
+        heard: dict[str, list[wire.Status]] = {name: [] for name in self.ids}
+        names = {number: name for name, number in self.ids.items()}
+        for status in self.statuses:
+            if status.service in names and port in (None, status.port):
+                heard[names[status.service]].append(status)
+        return heard
+
+    # ---- speeds
+
+    def command(self, linear_m_s: float, angular_rad_s: float, *, powerless: bool = False) -> None:
+        """Send one command: a speed only while the key is held."""
+        if not powerless and (linear_m_s or angular_rad_s):
+            if abs(linear_m_s) > MAX_M_S or abs(angular_rad_s) > MAX_RAD_S:
+                raise ValueError("faster than these steps may be")
+            if not self.world.held():
+                self.stop()
+                raise ReleasedError
+        self.send(wire.speeds(self.ids["differential"], linear_m_s, angular_rad_s))
+        self.commanded_s = self.world.now_s
+
+    def run(
+        self,
+        seconds: float,
+        command: tuple[float, float] | None = None,
+        until: Callable[[], bool] = lambda: False,
+    ) -> None:
+        """Ask for the speeds in each cycle, and repeat a command if there is one."""
+        end_s = self.world.now_s + seconds - CYCLE_S / 2
+        due_s = self.world.now_s
+        while self.world.now_s < end_s and not until():
+            if command is not None and self.world.now_s >= due_s - CYCLE_S / 2:
+                self.command(*command)
+                due_s += COMMAND_S
+            if self._asked and self.world.now_s > self._asked[-1][1] + _PATIENCE_S:
+                self._asked.clear()  # lost in a restart
+            number = self.next_id()
+            self._asked.append((number, self.world.now_s))
+            self.send(wire.request(number, wire.GET, self.ids["differential"]))
+            self.pump(CYCLE_S)
+
+    def sampled(self, since_s: float, command: tuple[float, float] | None) -> list[wire.Speeds]:
+        """Return the speeds since then, once the answers of all have arrived."""
+        end_s = self.world.now_s - CYCLE_S / 2
+        self.run(
+            _PATIENCE_S,
+            command,
+            lambda: bool(self.samples) and self.samples[-1].asked_s >= end_s,
+        )
+        return [s for s in self.samples if since_s - CYCLE_S / 2 <= s.asked_s <= end_s + CYCLE_S]
+
+    def leave(self) -> None:
+        """Send the zeros that are due when the conversation ends, however it does."""
+        for _ in range(5 if self.commanded_s else 0):
+            self.command(0.0, 0.0)
+            self.pump(COMMAND_S)
+
+    def stop(self) -> bool:
+        """Send zeros until the robot reports that it is at rest; False if it does not."""
+        since_s = self.world.now_s
+
+        def rests() -> bool:
+            new = [s for s in self.samples[-3:] if s.asked_s > since_s + 2 * CYCLE_S]
+            return len(new) == 3 and all(
+                max(map(abs, s.target)) < 1e-3 and max(map(abs, s.speed)) < 0.03 for s in new
+            )
+
+        self.run(8.0, (0.0, 0.0), rests)
+        return rests()

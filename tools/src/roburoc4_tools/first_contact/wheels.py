@@ -1,0 +1,417 @@
+# SPDX-License-Identifier: MIT
+"""Wheels off the ground: how the robot follows, stops, and obeys its game pad."""
+
+import math
+import struct
+from itertools import pairwise
+
+from . import wire
+from .identify import restart
+from .response import Response, fit, simulate
+from .session import CYCLE_S, MAX_M_S, MAX_RAD_S, Session, UnsafeError
+
+LATEST_S = 0.45
+LONGEST_WATCHDOG_S = 2.0
+_TRIES = 3
+
+
+def _speed(s: Session, axis: int, share: float = 0.6) -> float:
+    """Return a speed that the robot may have, on either axis."""
+    name, most = (("linear_m_s", MAX_M_S), ("angular_rad_s", MAX_RAD_S))[axis]
+    limits = [abs(s.known.get(f"{end}_{name}", 0.0)) for end in ("max", "min")]
+    return round(share * min(most, *limits), 3)
+
+
+def _both(axis: int, speed: float) -> tuple[float, float]:
+    return (0.0, speed) if axis else (speed, 0.0)
+
+
+def may_be_driven(s: Session) -> None:
+    """Refuse a robot that no program could drive safely."""
+    if "differential" not in s.ids:
+        raise UnsafeError("no_differential", "The robot has no service that takes speeds.")
+    if "differential" not in s.usable:
+        raise UnsafeError("no_speeds", "The robot does not report its speeds.")
+    if s.known["max_subscriptions"] < 2:
+        raise UnsafeError(
+            "list_full", "The robot reports to one subscription at a time; driving needs two."
+        )
+    for name in ("linear_m_s", "angular_rad_s"):
+        if not s.known.get(f"min_{name}", 0.0) < 0.0 < s.known.get(f"max_{name}", 0.0):
+            raise UnsafeError("limits", "The robot's speed limits make no sense.")
+
+
+def stops(s: Session) -> None:
+    """Try every stop before it is needed, then the slowest speed."""
+    please = s.please
+    please("lift", "Wheels off the ground, on a stand that carries 140 kg. Nobody near them.")
+    please("estop_press", "Press the remote emergency stop.")
+    please("estop_release", "Release it.")
+    please("motors_on", "Press the green button.")
+    if not s.stop():
+        raise UnsafeError(
+            "does_not_stop", "The wheels turn although zeros are sent: cut the power."
+        )
+    slowest = 0.0
+    for speed in (0.02, 0.05, 0.1):
+        since_s = s.world.now_s
+        s.run(2.0, (speed, 0.0))
+        if abs(s.sampled(since_s, None)[-1].speed[0]) > speed / 3:
+            slowest = speed
+            break
+    answer = s.ask("forward", "Did the wheels turn forward? yes or no")
+    if not s.stop():
+        raise UnsafeError(
+            "does_not_stop", "The wheels turn although zeros are sent: cut the power."
+        )
+    if not slowest:
+        raise UnsafeError("does_not_move", "The wheels do not turn: brakes selector, motor power?")
+    if answer != "yes":
+        raise UnsafeError("wrong_way", "The wheels turn the wrong way: do not drive this robot.")
+    s.notes["slowest speed that moved, m/s"] = slowest
+
+
+def _settle(s: Session, command: tuple[float, float], most_s: float = 10.0) -> None:
+    """Drive until the speeds do not change any more."""
+    begin_s = s.world.now_s
+    axis = 1 if command[1] else 0
+
+    def settled() -> bool:
+        last = [x.speed[axis] for x in s.samples[-60:]]
+        return (
+            s.world.now_s > begin_s + 1.2
+            and len(last) == 60
+            and max(last) - min(last) < 1e-3 * abs(command[axis])
+        )
+
+    s.run(most_s, command, settled)
+
+
+def _rest(s: Session) -> None:
+    """Stop, and wait until nothing is left of the last speed."""
+    s.stop()
+    s.run(8.0, (0.0, 0.0), lambda: all(max(map(abs, x.speed)) < 1e-6 for x in s.samples[-20:]))
+
+
+def responses(s: Session) -> None:
+    """Step from rest on both axes, and fit what the wheels do."""
+    for axis, name in enumerate(("linear", "angular")):
+        s.begin()
+        unit = ("m_s2", "rad_s2")[axis]
+        slopes = (s.known.get(f"min_{name}_{unit}", -99.0), s.known.get(f"max_{name}_{unit}", 99.0))
+        best: Response | None = None
+        speed = _speed(s, axis)
+        for share in (1.0, 0.25):
+            command = _both(axis, share * speed)
+            _rest(s)
+            since_s = s.world.now_s
+            _settle(s, command)
+            samples = s.sampled(since_s, command)
+            s.stop()
+            found = fit(command[axis], [x.speed[axis] for x in samples], slopes)
+            if found is not None and (best is None or found.misfit < best.misfit):
+                best = found
+            if axis == 0 and share == 1.0:
+                _keep_targets(s, command[0], samples)
+        if best is None:
+            raise UnsafeError("does_not_move", f"The wheels do not follow a {name} speed.")
+        s.responses[axis] = best
+        s.learn(f"{name}_omega_rad_s", min(max(best.omega_rad_s, 1.5), 1000.0))
+        s.learn(f"{name}_damping", min(max(best.damping, 0.6), 1.5))
+        s.learn(f"{name}_gain", min(max(best.gain, 0.85), 1.15))
+    surest = min(s.responses.values(), key=lambda found: found.misfit)
+    s.learn("dead_time_cycles", surest.dead_cycles)
+
+
+def _keep_targets(s: Session, speed: float, samples: list[wire.Speeds]) -> None:
+    shown = next((k for k, x in enumerate(samples) if abs(x.target[0] - speed) < 1e-3), None)
+    if shown is not None:
+        s.learn("late_targets", int(shown > 0))
+
+
+def reports(s: Session) -> None:
+    """Find out how late, how noisy and how often the reported speeds are measured."""
+    s.begin()
+    s.stop()
+    s.subscribe("differential", 1)
+    speed = _speed(s, 0)
+    s.pump(1.0)
+    s.statuses.clear()
+    since_s = s.world.now_s
+    _settle(s, (speed, 0.0))
+    arrived = [
+        x.at_s
+        for x in s.statuses
+        if x.service == s.ids["differential"]
+        and abs(struct.unpack_from("<f", x.payload)[0] - speed) < 1e-3
+    ]
+    late_s = min(arrived, default=math.inf) - since_s
+    s.notes["a new target is reported after, s"] = round(late_s, 3)
+    if late_s > LATEST_S:
+        s.stop()
+        raise UnsafeError(
+            "late", "Commands reach the robot, or reports come back, later than 0.45 s."
+        )
+    s.statuses.clear()
+    s.run(12.0, (speed, 0.0))
+    _keep_noise(s)
+    s.statuses.clear()
+    for k in range(160):
+        s.run(0.05, (speed * (0.5 + 0.1 * (k * 7 % 5)), 0.2 * (k * 3 % 4)))
+    _keep_refresh(s)
+    s.stop()
+    s.unsubscribe("differential")
+
+
+def _differential(s: Session) -> list[wire.Status]:
+    return [x for x in s.statuses if x.port == 0 and x.service == s.ids["differential"]]
+
+
+def _keep_noise(s: Session) -> None:
+    """Half of the range in which steady speeds are reported."""
+    found = {struct.unpack_from("<f", x.payload, 4)[0] for x in _differential(s)}
+    if len(found) > 5:
+        noise = (max(found) - min(found)) / 2 * (1 + 2 / len(found))
+        s.learn("speed_noise", round(min(noise, 0.02), 5) if noise > 5e-4 else 0.0)
+    elif found:
+        s.learn("speed_noise", 0.0)
+
+
+def _keep_refresh(s: Session) -> None:
+    heard = _differential(s)
+    stamps = [x.cycles for x in heard]
+    spans = [b - a for a, b in pairwise(stamps)]
+    period = int(s.known["min_period_cycles"])
+    if any(span != period for span in spans) and math.gcd(*stamps) > 1:
+        s.learn("stamp_measured", 1)
+        s.learn("odometry_period_cycles", min(math.gcd(*stamps), 20))
+        return
+    changed = [
+        (a.cycles, b.cycles, a.payload[4:8] + a.payload[12:] != b.payload[4:8] + b.payload[12:])
+        for a, b in pairwise(heard)
+    ]
+    possible = [
+        refresh
+        for refresh in range(1, 21)
+        if all(not news or b // refresh > a // refresh for a, b, news in changed)
+        and (period == 1 or all(news or b // refresh == a // refresh for a, b, news in changed))
+    ]
+    if period == 1 and possible:
+        s.learn("odometry_period_cycles", max(possible))
+        if max(possible) > 1:
+            s.learn("stamp_measured", 0)
+    elif len(possible) == 1:
+        s.learn("odometry_period_cycles", possible[0])
+
+
+def watchdog(s: Session) -> None:
+    """Fall silent in mid-drive, and see when the wheels stop by themselves."""
+    s.begin()
+    speed = _speed(s, 0)
+    s.stop()
+    _settle(s, (speed, 0.0))
+    last_s = s.commanded_s
+    half = abs(speed * s.responses[0].gain) / 2
+    s.run(66.0, None, lambda: bool(s.samples) and abs(s.samples[-1].speed[0]) < 0.1 * half)
+    samples = s.sampled(last_s, None)
+    s.stop()
+    if abs(samples[-1].speed[0]) > half:
+        raise UnsafeError("no_watchdog", "The robot drives on for a minute without commands.")
+    dead = s.responses[0].dead_cycles
+    after = [round((x.asked_s - last_s) / CYCLE_S) for x in samples]
+    zero = next((k for k, x in zip(after, samples, strict=True) if abs(x.target[0]) < 1e-3), None)
+    model = simulate(s.responses[0], [-speed] * 2000, _slopes(s))
+    model_half = next(k for k, x in enumerate(model) if -x >= half)
+    fell = next(k for k, x in zip(after, samples, strict=True) if abs(x.speed[0]) <= half)
+    by_speed = fell - dead - model_half
+    by_target = None if zero is None else zero - (dead if s.known["late_targets"] else 0)
+    shown = by_target is None or by_target > by_speed + 30
+    s.learn("tripped_target_shown", int(shown))
+    cycles = by_speed if by_target is None or shown else by_target
+    s.learn("robot_watchdog_ms", min(max(10 * cycles, 100), 60000))
+
+
+def _slopes(s: Session) -> tuple[float, float]:
+    return s.known.get("min_linear_m_s2", -99.0), s.known.get("max_linear_m_s2", 99.0)
+
+
+def _target_at(samples: list[wire.Speeds], at_s: float) -> float:
+    return min(samples, key=lambda x: abs(x.asked_s - at_s)).target[0]
+
+
+def pad(s: Session) -> None:
+    """Hold [A] while commands are sent, and see what is obeyed when it is released."""
+    s.begin()
+    first, second = _speed(s, 0, 0.5), _speed(s, 0, 0.25)
+    shift_s = s.responses[0].dead_cycles * CYCLE_S if s.known["late_targets"] else 0.0
+    s.stop()
+    _settle(s, (first, 0.0))
+    zero_s = s.world.now_s + 1.5
+    s.world.countdown("press_pad_a", "Hold [A] from 0 on, and touch no stick.", 1.5)
+    s.run(2.5, (first, 0.0))
+    lead_s = _lead(s, s.sampled(zero_s - 1.0, (first, 0.0)), first, zero_s + shift_s)
+    s.run(s.known["robot_watchdog_ms"] / 1000 + 1.0, (second, 0.0))
+    zero_s = s.world.now_s + 1.5
+    s.world.countdown("release_pad_a", "Let [A] go when the countdown reaches 0.", 1.5)
+    s.run(1.5 - 0.15 - lead_s, (second, 0.0))
+    s.run(0.7 + lead_s, None)
+    samples = s.sampled(zero_s - 1.0, None)
+    after = _target_at(samples, zero_s + 0.11 + shift_s - lead_s)
+    if abs(after - second) < 1e-3:
+        s.learn("pad_keeps_target", 1)
+    elif abs(after - first) < 1e-3:
+        s.learn("pad_keeps_target", 2)
+        s.learn("ignored_commands_feed", 1)
+    elif _comes_back(s, first, shift_s, lead_s):
+        s.learn("pad_keeps_target", 2)
+        s.learn("ignored_commands_feed", 0)
+    else:
+        s.learn("pad_keeps_target", 0)
+    _pad_target(s)
+
+
+def _lead(s: Session, samples: list[wire.Speeds], target: float, zero_s: float) -> float:
+    """Return how much earlier than a person must act what we send, so that both meet."""
+    trip_s = s.known["queue_answer_ms"] / 1000
+    dropped = next(
+        (x.asked_s for x in samples if abs(x.target[0] - target) > 1e-3), zero_s - trip_s / 2
+    )
+    return min(max(zero_s - dropped, 0.0), trip_s)
+
+
+def _comes_back(s: Session, target: float, shift_s: float, lead_s: float) -> bool:
+    """Whether the target from before [A] is obeyed after a short tap on it."""
+    s.stop()
+    _settle(s, (target, 0.0))
+    zero_s = s.world.now_s + 1.5
+    s.world.countdown("tap_pad_a", "Tap [A] shortly when the countdown reaches 0.", 1.5)
+    s.run(1.5 + 0.05 - lead_s, (target, 0.0))
+    s.run(0.5 + lead_s, None)
+    samples = s.sampled(zero_s - 0.1 - lead_s, None)
+    dropped = [k for k, x in enumerate(samples) if abs(x.target[0] - target) > 1e-3]
+    return (
+        not dropped
+        or samples[dropped[0]].asked_s > zero_s + 0.1 + shift_s - lead_s
+        or any(abs(x.target[0] - target) < 1e-3 for x in samples[dropped[0] :])
+    )
+
+
+def _pad_target(s: Session) -> None:
+    s.begin()
+    s.stop()
+    s.please("press_pad_a", "Hold [A] again.")
+    s.please("pad_forward", "Press the right trigger a little, so that the wheels turn.")
+    since_s = s.world.now_s
+    s.run(4.0, None)
+    last = s.sampled(since_s, None)[-1]
+    s.please("release_pad_a", "Let both go.")
+    s.stop()
+    if abs(last.speed[0]) > 0.02:
+        s.learn("pad_target_hidden", int(abs(last.target[0]) < abs(last.speed[0]) / 2))
+
+
+def motors(s: Session) -> None:
+    """Send commands without motor power, also one beyond the limits."""
+    s.begin()
+    speed = _speed(s, 0)
+    s.please("estop_press", "Press the remote emergency stop.")
+    s.pump(0.5)
+    since_s = s.world.now_s
+    s.run(1.0, (speed, 0.0))
+    ignored = abs(s.sampled(since_s, None)[-1].target[0] - speed) > 1e-3
+    s.learn("commands_need_motors", int(ignored))
+    s.stop()
+    if not ignored:
+        most = s.known["max_linear_m_s"]
+        s.command(2 * most, 0.0, powerless=True)
+        since_s = s.world.now_s
+        s.run(0.25, None)
+        shown = _target_at(s.sampled(since_s, None), since_s + 0.2)
+        s.learn("over_limit_refused", int(abs(shown - most) > 1e-2 * most))
+        s.stop()
+    s.please("estop_release", "Release the emergency stop.")
+    s.please("motors_on", "Press the green button.")
+    if not s.stop():
+        raise UnsafeError("power_moves", "The wheels turned when motor power came back.")
+
+
+def power_on(s: Session) -> None:
+    """Restart, and see whether the motors have power at once."""
+    s.begin()
+    restart(s)
+    since_s = s.world.now_s
+    s.run(2.0, (0.1, 0.0))
+    moved = abs(s.sampled(since_s, None)[-1].speed[0]) > 0.03
+    s.stop()
+    s.learn("start_safe", int(not moved))
+    s.please("motors_on", "Press the green button.")
+
+
+def odometry(s: Session) -> None:
+    """Compare the pose with the speeds, and set it."""
+    if "localization" not in s.usable:
+        return
+    s.begin()
+    s.subscribe("localization", 10)
+    before = _poses(s, 1.5)[-1]
+    _replace(s, before)
+    speed = _speed(s, 0)
+    ahead, driven = _travel(s, (speed, 0.0))
+    turn, turned = _travel(s, (0.0, _speed(s, 1)))
+    scale = ahead[0] / driven[0] if driven[0] else 0.0
+    s.learn("odometry_scale", round(min(max(scale, -2.0), 2.0), 3))
+    if abs(scale) > 0.05 and turned[1]:
+        s.learn("odometry_mirrored", int(turn[1] / turned[1] / scale < 0))
+    s.unsubscribe("localization")
+
+
+def _poses(s: Session, seconds: float) -> list[tuple[float, float, float]]:
+    return [struct.unpack_from("<3d", x.payload) for x in s.listen(seconds)["localization"]]
+
+
+def _replace(s: Session, pose: tuple[float, float, float]) -> None:
+    number = s.ids["localization"]
+    there = (pose[0] + 1.0, pose[1], pose[2])
+    answer = s.request(wire.REPLACE, number, struct.pack("<Q3d", 1, *there))
+    after = _poses(s, 2.0)[-1]
+    if answer is not None and answer.error:
+        s.learn("replace_mode", 1)
+    else:
+        s.learn("replace_mode", 0 if math.dist(after, there) < 0.1 else 2)
+    s.request(wire.REPLACE, number, struct.pack("<Q3d", 1, *pose))
+    s.pump(1.0)
+
+
+def _travel(s: Session, command: tuple[float, float]) -> tuple[list[float], list[float]]:
+    """Drive for 3 s; return way and turn by the pose, and by the speeds."""
+    s.stop()
+    s.statuses.clear()
+    since_s = s.world.now_s
+    s.run(3.0, command)
+    _rest(s)
+    samples = s.sampled(since_s, None)
+    s.pump(1.0)
+    poses = [
+        struct.unpack_from("<3d", x.payload)
+        for x in s.statuses
+        if x.port == 0 and x.service == s.ids["localization"]
+    ]
+    way = turn = 0.0
+    for a, b in pairwise(poses):
+        way += (b[0] - a[0]) * math.cos(a[2]) + (b[1] - a[1]) * math.sin(a[2])
+        turn += math.remainder(b[2] - a[2], math.tau)
+    by_speeds = [sum(x.speed[axis] for x in samples) * CYCLE_S for axis in (0, 1)]
+    return [way, turn], by_speeds
+
+
+def may_leave_the_stand(s: Session) -> None:
+    """Refuse the ground to a robot whose answers endanger."""
+    if s.known["robot_watchdog_ms"] > 1000 * LONGEST_WATCHDOG_S:
+        raise UnsafeError(
+            "slow_watchdog",
+            "When the link breaks, this robot drives on for longer than 2 s: set Watchdog in "
+            "its udpserver.cfg.",
+        )
+    scale = s.known.get("odometry_scale")
+    if scale is None or not 0.5 <= scale <= 2.0 or s.known.get("odometry_mirrored"):
+        raise UnsafeError("odometry", "The pose does not follow the wheels: moves would be wrong.")
