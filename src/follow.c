@@ -29,6 +29,9 @@ static const int32_t tolerance[AXES] = {ONE / 10, ONE / 5};
 /* Slower than this is no motion, so targets of twice as much can be watched. */
 static const int32_t slowest_motion[AXES] = {ONE / 200, ONE / 50};
 
+/* Values of watching: a robot that is armed is at rest, give or take the tolerance. */
+enum { WATCHING_NOTHING, WATCHING_FROM_REST, WATCHING };
+
 /** Rounded towards zero; infinity and NaN are the largest numbers. */
 static int32_t fixed_from(float value) {
     const uint32_t bits = bits_from_f32(value);
@@ -40,6 +43,10 @@ static int32_t fixed_from(float value) {
         size = (int32_t)(((bits & 0x7FFFFFU) | 0x800000U) >> (127 + 7 - exponent));
     }
     return bits >> 31 != 0 ? -size : size;
+}
+
+static int32_t bounded(int32_t value, int32_t most) {
+    return value > most ? most : value < -most ? -most : value;
 }
 
 /** `passed` of `all` of the way. */
@@ -61,11 +68,11 @@ void roburoc4_follow_begin(follow *f) {
     const uint32_t cycles = f->cycles;
     memset(f, 0, sizeof *f);
     f->cycles = cycles;
-    f->watching = 1;
+    f->watching = WATCHING_FROM_REST;
 }
 
 void roburoc4_follow_pause(follow *f, const roburoc4_differential_status *s) {
-    f->watching = 0;
+    f->watching = WATCHING_NOTHING;
     f->cycles = (uint32_t)s->robot_cycles;
 }
 
@@ -77,8 +84,9 @@ bool roburoc4_follow_status(follow *f, const float *targets,
     bool fault = false;
     for (uint32_t axis = 0; axis < AXES; axis++) {
         const int32_t speed = fixed_from(speeds[axis]);
-        if (!f->watching) {
-            f->mean[axis] = f->low[axis] = f->high[axis] = speed;
+        if (f->watching != WATCHING) {
+            const int32_t most = f->watching == WATCHING_FROM_REST ? tolerance[axis] : LARGEST;
+            f->mean[axis] = f->low[axis] = f->high[axis] = bounded(speed, most);
         }
         if (!is_finite(speeds[axis])) {
             fault = true;
@@ -94,7 +102,7 @@ bool roburoc4_follow_status(follow *f, const float *targets,
         f->high[axis] = target > f->high[axis] ? target : f->high[axis];
         fault = fault || out_of_bounds(f, axis);
     }
-    f->watching = 1;
+    f->watching = WATCHING;
     if (targets == NULL) {
         f->fault_cycles = f->fault = 0;
     } else if (fault) {

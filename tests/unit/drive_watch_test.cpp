@@ -168,6 +168,23 @@ TEST(OtherCommander, IsNotAScaledOrClampedTargetOfOurs) {
 
 /* ---- motion inhibited ---- */
 
+/** It may be armed below 0.2 rad/s. */
+TEST(Inhibited, IsNoRobotThatStillTurnedSlowlyWhenItWasArmed) {
+    ScriptedRobot robot;
+    robot.follows = false;
+    Bench bench(robot);
+    bench.ready();
+    robot.current_angular = -0.199F;
+    bench.run(100 * ms);
+    ASSERT_EQ(ROBUROC4_OK, bench.arm());
+    robot.target_angular = 0.3F;
+    for (int i = 0; i < 80; i++) { /* overdamped, so it is slow to turn the other way */
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0, 0.3F)) << i;
+        bench.run(50 * ms);
+        robot.current_angular += 0.02F * (0.3F - robot.current_angular);
+    }
+}
+
 /** One that takes the targets, but has a speed of its own. */
 struct Disobedient : ScriptedRobot {
     void deliver(const Bytes &datagram) override {

@@ -298,8 +298,8 @@ void Oracle::forget_robot(Moment now) {
     robot_ = robots_[boot_];
     if (armed_before_restart_)
         disarm(now, Promise::reboot_disarms);
-    else if (armed_ && limits_.boot < boot_)
-        violate(Promise::restart_forgets, now.true_us, "armed on limits of the robot before");
+    else if (limits_.boot < boot_) /* armed on limits of the robot before */
+        disarm(now, Promise::restart_forgets);
     rule_.forget_before(boot_);
     if (limits_.boot < boot_)
         limits_ = Limits();

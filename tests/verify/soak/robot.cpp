@@ -329,7 +329,7 @@ void Robot::reboot(const RobotPlan &plan, std::uint64_t off_us, std::uint64_t no
     plan_ = plan;
     boot_++;
     started_us_ = now_us + off_us;
-    ticks_ = 0;
+    ticks_ = measured_tick_ = 0;
     answers_.clear();
     accepted_ = goal_ = measured_ = {};
     tripped_ = true;
