@@ -528,7 +528,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_host_time(const roburoc4_client *cl
 /* Everything from here on may change with any version, except sizeof(roburoc4_client). */
 
 typedef struct roburoc4_private_timer {
-    uint64_t now_us, due_us;
+    uint32_t now_us, wait_us;
 } roburoc4_private_timer;
 
 typedef struct roburoc4_private_ask {
@@ -539,22 +539,20 @@ typedef struct roburoc4_private_ask {
 typedef struct roburoc4_private_slot {
     roburoc4_private_ask ask;
     uint8_t open, id, tries, ones;
-    uint32_t wait_us;
-    uint64_t sent_us;
+    uint32_t wait_us, sent_us;
 } roburoc4_private_slot;
 
 typedef struct roburoc4_private_requests {
     uint8_t last_id, fixed_id, id_mode, quiet, announce, single_texts;
     uint16_t slowest_ms;
-    uint32_t quiet_span_us, padding;
-    uint64_t quiet_since_us;
+    uint32_t quiet_span_us, quiet_since_us;
     roburoc4_private_slot slots[4];
 } roburoc4_private_requests;
 
 typedef struct roburoc4_private_service {
-    uint8_t gap_count, asked_cycles, fresh, reserved;
+    uint8_t gap_count, fresh, renewed, reserved;
     uint16_t period_cycles, gap_min;
-    uint64_t robot_cycles, received_us, inserted_us, seen;
+    uint64_t robot_cycles, received_us, seen;
     uint32_t received, lost, late, duplicates;
     uint16_t recent, recent_lost; /* statuses: received or lost; lost */
     uint32_t jitter_us;
@@ -563,9 +561,9 @@ typedef struct roburoc4_private_service {
 typedef struct roburoc4_private_link {
     uint8_t back_count, resubscribed, mapped, answered;
     uint32_t floor_age_us;
-    uint64_t offset_since_us, newest_cycles, last_used_us;
-    uint64_t floor_us, asked_us, proven_us, heard_us;
+    uint64_t newest_cycles, floor_us, proven_us;
     int64_t offset_us, offset_before_us;
+    uint32_t offset_since_us, last_used_us, asked_us, heard_us, card_inserted_us, reserved;
     uint32_t round_trip_us, round_trip_min_us;
     uint32_t excess_us, excess_since_us, slack_us, contradicted_us;
     roburoc4_private_service services[5];
@@ -574,12 +572,11 @@ typedef struct roburoc4_private_link {
 typedef struct roburoc4_private_drive {
     uint8_t known, armed, lease_active, stopping;
     uint8_t stop_pending, nonzero_sent, zeros_sent, confirmed;
-    uint8_t moving, other_count, other_commander, overridden;
+    uint8_t other_count, other_commander, overridden, reserved[3];
     uint8_t inhibited, changed, lapsed, outcome;
     uint8_t unconfirmed, echo_due;
     uint16_t service;
-    uint32_t lease_us;
-    uint64_t granted_us, sent_us, stop_us, envelope_us, heard_us;
+    uint32_t lease_us, granted_us, sent_us, stop_us, envelope_us, heard_us;
     int32_t disarm_cause;
     uint32_t echo_us;
     float target[2], sent[2];
@@ -595,26 +592,35 @@ typedef struct roburoc4_private_follow {
 
 typedef struct roburoc4_private_discovery {
     uint8_t service_count, listed, known, refused;
-    uint8_t wanted, inserted, acked, declined;
-    uint8_t leaving, identified, probe_kind, done;
-    uint8_t described_kind, table_refused;
+    uint8_t identified, texts_done, described_kind, table_refused;
     uint16_t described_index;
-    uint16_t service_ids[8];
-    uint64_t phase_us, probe_us;
+    uint16_t service_ids[7];
     uint64_t described[5], given_up[5];
     int16_t role_texts[4];
     uint16_t types[ROBUROC4_MAX_SERVICES], ids[ROBUROC4_MAX_SERVICES];
     uint8_t claims[ROBUROC4_MAX_SERVICES];
-    uint8_t text_due, denied;
-    uint8_t doubted, doubted_list, doubted_roles, reserved;
-    uint16_t doubted_index;
+    uint8_t text_due, doubted, doubted_list, doubted_roles;
+    uint16_t doubted_index, reserved;
     uint64_t bumpers[2];
 } roburoc4_private_discovery;
 
+typedef struct roburoc4_private_subscriptions {
+    uint8_t inserted, acked, declined, denied, leaving, reserved[3];
+    uint32_t refused_us, inserted_us[5];
+} roburoc4_private_subscriptions;
+
+typedef struct roburoc4_private_schedule {
+    uint32_t phase_us, probe_us;
+    uint8_t probe_kind, reserved[3];
+} roburoc4_private_schedule;
+
+typedef struct roburoc4_private_conditions {
+    uint8_t override_known, overridden, moving, armable;
+} roburoc4_private_conditions;
+
 typedef struct roburoc4_private_values {
-    uint8_t override_known, overridden, armable, battery_low;
-    uint8_t telemeter_count, distance_count, reserved[2];
-    roburoc4_localization_properties initial;
+    uint8_t battery_low, telemeter_count, distance_count, reserved[5];
+    roburoc4_localization_properties localization_properties;
     roburoc4_localization_status localization;
     roburoc4_differential_status differential;
     roburoc4_battery_status battery;
@@ -630,19 +636,23 @@ typedef struct roburoc4_private_values {
 typedef struct roburoc4_private_outputs {
     uint8_t repeats, relocalizing, moved, unwatched;
     int32_t relocalize_result;
-    uint64_t digital, sent_us, relocalize_us;
+    uint32_t sent_us, relocalize_us;
+    uint64_t digital;
     double x_m, y_m, theta_rad;
     float analog[ROBUROC4_MAX_ANALOG_OUTPUTS];
 } roburoc4_private_outputs;
 
 struct roburoc4_client {
+    uint64_t private_now_us, private_idle_until_us, private_aged_us;
     roburoc4_private_timer private_timer;
-    uint64_t private_idle_until_us;
     uint32_t private_size, private_events, private_state;
     roburoc4_config private_config;
-    uint32_t private_padding; /* where a uint64_t is aligned to 4 bytes, too */
+    roburoc4_private_conditions private_conditions;
     roburoc4_private_drive private_drive;
     roburoc4_private_follow private_follow;
+    roburoc4_private_schedule private_schedule;
+    roburoc4_private_subscriptions private_subscriptions;
+    uint32_t private_padding; /* where a uint64_t is aligned to 4 bytes, too */
     roburoc4_private_discovery private_discovery;
     roburoc4_private_requests private_requests;
     uint32_t private_counters[14];

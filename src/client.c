@@ -7,20 +7,21 @@
 
 /* The layout of a struct that callers declare is part of the ABI. */
 #define LAYOUT(name, condition) typedef char assert_##name[(condition) ? 1 : -1]
-LAYOUT(slot, sizeof(roburoc4_private_slot) == 24);
-LAYOUT(requests, sizeof(roburoc4_private_requests) == 120);
-LAYOUT(service, sizeof(roburoc4_private_service) == 64);
-LAYOUT(link, sizeof(roburoc4_private_link) == 424);
-LAYOUT(drive, sizeof(roburoc4_private_drive) == 144);
+LAYOUT(slot, sizeof(roburoc4_private_slot) == 20);
+LAYOUT(requests, sizeof(roburoc4_private_requests) == 96);
+LAYOUT(service, sizeof(roburoc4_private_service) == 56);
+LAYOUT(link, sizeof(roburoc4_private_link) == 376);
+LAYOUT(drive, sizeof(roburoc4_private_drive) == 128);
 LAYOUT(follow, sizeof(roburoc4_private_follow) == 32);
-LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 240);
+LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 216);
+LAYOUT(subscriptions, sizeof(roburoc4_private_subscriptions) == 32);
 LAYOUT(values, sizeof(roburoc4_private_values) == 456);
-LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 72);
+LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 64);
 LAYOUT(config, sizeof(roburoc4_config) == 88);
-LAYOUT(client, sizeof(roburoc4_client) == 1680);
-LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 128);
-LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 792);
-LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1216);
+LAYOUT(client, sizeof(roburoc4_client) == 1616);
+LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 136);
+LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 776);
+LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1152);
 
 /* The longest wait before a request is repeated while the client is not ready. */
 #define PATIENCE_US (5 * SECOND)
@@ -43,7 +44,7 @@ void roburoc4_lifecycle_enter(client *c, uint32_t state) {
     if (state != ROBUROC4_STATE_READY) {
         c->private_outputs.repeats = 0; /* the IO card may be another now */
     }
-    c->private_discovery.phase_us = c->private_timer.now_us;
+    c->private_schedule.phase_us = c->private_timer.now_us;
 }
 
 void roburoc4_lifecycle_interrupt(client *c, roburoc4_result cause) {
@@ -65,6 +66,7 @@ void roburoc4_lifecycle_relocalize_ends(client *c, roburoc4_result result) {
 
 void roburoc4_lifecycle_forget_services(client *c, uint32_t state) {
     roburoc4_discovery_restart(&c->private_discovery);
+    roburoc4_subscriptions_restart(&c->private_subscriptions);
     roburoc4_requests_cancel_all(&c->private_requests, c->private_timer.now_us);
     roburoc4_link_invalidate(&c->private_link);
     forget_override(c);
@@ -79,7 +81,7 @@ void roburoc4_lifecycle_connect(client *c, uint32_t state) {
         roburoc4_discovery_read_texts_again(&c->private_discovery);
     }
     roburoc4_requests_clear(&c->private_requests);
-    roburoc4_link_restart(&c->private_link);
+    roburoc4_link_restart(&c->private_link, &c->private_config);
     roburoc4_lifecycle_forget_services(c, state);
 }
 
@@ -98,22 +100,70 @@ void roburoc4_lifecycle_reboot(client *c) {
     raise_event(c, ROBUROC4_EVENT_REBOOT);
     c->private_link.newest_cycles = 0;
     c->private_link.resubscribed = 0; /* nothing is known of before */
-    roburoc4_link_forget_times(&c->private_link);
+    roburoc4_link_forget_times(&c->private_link, c->private_timer.now_us);
     roburoc4_lifecycle_forget_outputs(c); /* the robot switched its outputs off */
     roburoc4_discovery_clear(&c->private_discovery);
     roburoc4_lifecycle_connect(c, ROBUROC4_STATE_CONNECTING);
 }
 
-void roburoc4_lifecycle_clock_fault(client *c, uint64_t now_us) {
+/** What is timed, of which no age may be longer than 32 bits hold. */
+static const uint16_t stamps[] = {
+#define AT(field) (uint16_t) offsetof(client, private_##field)
+    AT(drive.granted_us),
+    AT(drive.sent_us),
+    AT(drive.stop_us),
+    AT(drive.envelope_us),
+    AT(drive.heard_us),
+    AT(drive.echo_us),
+    AT(link.offset_since_us),
+    AT(link.last_used_us),
+    AT(link.asked_us),
+    AT(link.heard_us), AT(link.card_inserted_us),
+    AT(requests.quiet_since_us),
+    AT(requests.slots[0].sent_us),
+    AT(requests.slots[1].sent_us),
+    AT(requests.slots[2].sent_us),
+    AT(requests.slots[3].sent_us),
+    AT(schedule.phase_us),
+    AT(schedule.probe_us),
+    AT(subscriptions.refused_us),
+    AT(subscriptions.inserted_us[0]),
+    AT(subscriptions.inserted_us[1]),
+    AT(subscriptions.inserted_us[2]),
+    AT(subscriptions.inserted_us[3]),
+    AT(subscriptions.inserted_us[4]),
+    AT(outputs.sent_us),
+    AT(outputs.relocalize_us),
+#undef AT
+};
+
+static uint32_t *stamp_at(client *c, uint32_t i) {
+    return (uint32_t *)(void *)((uint8_t *)c + stamps[i]);
+}
+
+void roburoc4_lifecycle_limit_ages(client *c, uint64_t now_us) {
+    const uint64_t passed_us = now_us - c->private_now_us;
+    for (uint32_t i = 0; i < sizeof stamps / sizeof stamps[0]; i++) {
+        uint32_t *stamp = stamp_at(c, i);
+        const uint64_t age_us = (c->private_timer.now_us - *stamp) + passed_us;
+        *stamp = (uint32_t)now_us - (age_us < OLDEST_US ? (uint32_t)age_us : OLDEST_US);
+    }
+    c->private_aged_us = now_us;
+}
+
+void roburoc4_lifecycle_clock_fault(client *c, uint64_t host_us) {
+    const uint32_t now_us = (uint32_t)host_us;
     roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_CLOCK);
     roburoc4_drive_rebase(&c->private_drive, now_us);
     roburoc4_requests_rebase(&c->private_requests, now_us);
     c->private_discovery.doubted = 0; /* copies of its answer are no longer waited for */
-    roburoc4_link_rebase(&c->private_link, c->private_timer.now_us, now_us);
-    c->private_discovery.phase_us = now_us;
-    c->private_discovery.probe_us = now_us - SECOND; /* no age is known before the first answer */
+    roburoc4_link_rebase(&c->private_link, c->private_now_us, host_us);
+    roburoc4_subscriptions_rebase(&c->private_subscriptions, now_us);
+    c->private_schedule.phase_us = now_us;
+    c->private_schedule.probe_us = now_us - SECOND; /* no age is known before the first answer */
     c->private_outputs.sent_us = now_us;
     c->private_outputs.relocalize_us = now_us;
+    c->private_aged_us = host_us;
     count(c, ROBUROC4_COUNT_CLOCK_FAULTS);
     raise_event(c, ROBUROC4_EVENT_CLOCK);
 }
@@ -139,8 +189,12 @@ roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
     if (c->private_size != sizeof *c || c->private_state != ROBUROC4_STATE_IDLE) {
         return ROBUROC4_ERR_STATE;
     }
-    memset(&c->private_timer, 0, sizeof c->private_timer);
-    c->private_timer.now_us = now_us;
+    c->private_now_us = now_us;
+    c->private_timer.now_us = (uint32_t)now_us;
+    c->private_timer.wait_us = 0;
+    memset(&c->private_conditions, 0, sizeof c->private_conditions);
+    memset(&c->private_schedule, 0, sizeof c->private_schedule);
+    memset(&c->private_subscriptions, 0, sizeof c->private_subscriptions);
     memset(&c->private_link, 0, sizeof c->private_link);
     memset(&c->private_discovery, 0, sizeof c->private_discovery);
     memset(&c->private_values, 0, sizeof c->private_values);
@@ -149,14 +203,13 @@ roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
     memset(c->private_counters, 0, sizeof c->private_counters);
     c->private_outputs.relocalize_result = ROBUROC4_ERR_UNKNOWN;
     roburoc4_discovery_clear(&c->private_discovery);
-    c->private_discovery.wanted = (uint8_t)c->private_config.subscriptions;
-    for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
-        c->private_link.services[i].asked_cycles =
-            (uint8_t)(c->private_config.period_ms[i + ROBUROC4_SERVICE_IOCARD] / 10);
-    }
-    c->private_link.last_used_us = now_us;
     c->private_requests.id_mode = 0; /* this may be another robot */
-    roburoc4_drive_start(&c->private_drive, now_us);
+    for (uint32_t i = 0; i < sizeof stamps / sizeof stamps[0]; i++) {
+        *stamp_at(c, i) = c->private_timer.now_us - OLDEST_US; /* nothing has happened yet */
+    }
+    c->private_aged_us = now_us;
+    c->private_link.last_used_us = c->private_timer.now_us;
+    roburoc4_drive_start(&c->private_drive, c->private_timer.now_us);
     roburoc4_lifecycle_connect(c, ROBUROC4_STATE_CONNECTING);
     return ROBUROC4_OK;
 }
@@ -182,9 +235,8 @@ static uint32_t patience_us(const client *c) {
         return PATIENCE_US;
     }
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
-        const uint32_t period_us =
-            c->private_link.services[i].asked_cycles * (uint32_t)ROBUROC4_CYCLE_US;
-        if ((c->private_discovery.acked & service_bit(i + ROBUROC4_SERVICE_IOCARD)) != 0) {
+        const uint32_t period_us = c->private_config.period_ms[i + ROBUROC4_SERVICE_IOCARD] * MS;
+        if ((c->private_subscriptions.acked & service_bit(i + ROBUROC4_SERVICE_IOCARD)) != 0) {
             shortest_us = at_most(shortest_us, period_us);
         }
     }
@@ -217,7 +269,7 @@ static void tick(client *c) {
     if (connected(c) && due(t, c->private_link.last_used_us, patience_us(c))) {
         roburoc4_lifecycle_lose(c);
     }
-    roburoc4_control_tick(c);
+    roburoc4_conditions_tick(c);
     if (c->private_outputs.relocalizing &&
         due(t, c->private_outputs.relocalize_us, RELOCALIZE_US)) {
         roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_REPLACE,
@@ -225,7 +277,8 @@ static void tick(client *c) {
         roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_ERR_TIMEOUT);
     }
     if (c->private_state == ROBUROC4_STATE_READY) {
-        roburoc4_schedule_renew_silent(c);
+        roburoc4_subscriptions_renew_silent(&c->private_subscriptions, &c->private_config,
+                                            &c->private_link, c->private_now_us, t);
     }
 }
 
@@ -259,17 +312,17 @@ roburoc4_result roburoc4_client_poll_transmit(client *c, uint8_t *buffer, size_t
     if (c->private_state == ROBUROC4_STATE_IDLE) {
         return 0;
     }
-    if (now_us >= c->private_timer.now_us && now_us < c->private_idle_until_us) {
+    if (now_us >= c->private_now_us && now_us < c->private_idle_until_us) {
         see_time(c, now_us);
         return 0; /* nothing changed since this deadline was computed */
     }
     begin_call(c, now_us);
-    c->private_timer.due_us = UINT64_MAX;
+    c->private_timer.wait_us = UINT32_MAX;
     const roburoc4_result length = poll_all(c, buffer, capacity);
     if (length > 0) {
         count(c, ROBUROC4_COUNT_SENT);
     } else { /* it asked of everything whether it is due */
-        c->private_idle_until_us = c->private_timer.due_us;
+        c->private_idle_until_us = now_us + c->private_timer.wait_us;
     }
     return length;
 }

@@ -9,9 +9,7 @@
 #define TEXT_SEARCHED 255U
 
 void roburoc4_discovery_clear(discovery *d) {
-    const uint8_t wanted = d->wanted; /* the subscriptions are the user's choice, not the robot's */
     memset(d, 0, sizeof *d);
-    d->wanted = wanted;
     roburoc4_discovery_read_texts_again(d);
 }
 
@@ -19,12 +17,7 @@ void roburoc4_discovery_restart(discovery *d) {
     d->identified = 0;
     d->known = 0;
     d->refused = 0;
-    d->inserted = 0;
-    d->acked = 0;
-    d->declined = 0;
-    d->denied = 0;
-    d->leaving = 0;
-    d->done = 0;
+    d->texts_done = 0;
     d->doubted = 0;
     memset(d->given_up, 0, sizeof d->given_up);
 }
@@ -36,7 +29,7 @@ void roburoc4_discovery_forget_inputs(discovery *d) {
     memset(d->bumpers, 0, sizeof d->bumpers);
     d->table_refused = 0;
     d->doubted = 0;
-    d->done = 0;
+    d->texts_done = 0;
 }
 
 void roburoc4_discovery_read_texts_again(discovery *d) {
@@ -451,11 +444,11 @@ bool roburoc4_discovery_next_text(const discovery *d, const requests *r, const i
             out->action = ROBUROC4_ACTION_QUERY;
             out->kind = directory ? ROBUROC4_SERVICE_DIRECTORY : ROBUROC4_SERVICE_IOCARD;
             out->detail = list;
-            out->max_tries = d->done ? LATER_TEXT_TRIES : TEXT_TRIES;
+            out->max_tries = d->texts_done ? LATER_TEXT_TRIES : TEXT_TRIES;
             out->target =
                 directory ? ROBUROC4_SERVICE_DIRECTORY : d->service_ids[ROBUROC4_SERVICE_IOCARD];
             out->subject = (uint16_t)index;
-            if (!roburoc4_requests_open(r, out)) {
+            if (!roburoc4_requests_is_open(r, out)) {
                 return true;
             }
         }
@@ -474,7 +467,7 @@ bool roburoc4_discovery_texts_passed(const discovery *d, const int32_t *io_count
 
 bool roburoc4_discovery_inputs_passed(const discovery *d, const int32_t *io_counts) {
     const uint32_t list = ROBUROC4_IO_DIGITAL_INPUT;
-    return d->done || complete(d, io_counts, list, d->described[list] | d->given_up[list]);
+    return d->texts_done || complete(d, io_counts, list, d->described[list] | d->given_up[list]);
 }
 
 bool roburoc4_discovery_services_passed(const discovery *d) {
@@ -487,10 +480,10 @@ bool roburoc4_discovery_services_passed(const discovery *d) {
 }
 
 void roburoc4_discovery_ask_again(discovery *d, const int32_t *io_counts) {
-    if (d->done && roburoc4_discovery_texts_passed(d, io_counts)) {
+    if (d->texts_done && roburoc4_discovery_texts_passed(d, io_counts)) {
         memset(d->given_up, 0, sizeof d->given_up);
     }
-    d->text_due = d->done;
+    d->text_due = d->texts_done;
 }
 
 /** Whether the robot gave or refused the text of every digital input. */

@@ -55,7 +55,7 @@ static bool near(float value, float low, float high, float tolerance) {
            order_of(value) <= order_of(high + tolerance);
 }
 
-void roburoc4_drive_start(drive *d, uint64_t now_us) {
+void roburoc4_drive_start(drive *d, uint32_t now_us) {
     memset(d, 0, sizeof *d);
     d->disarm_cause = ROBUROC4_ERR_DISARMED;
     roburoc4_drive_rebase(d, now_us);
@@ -153,7 +153,7 @@ void roburoc4_drive_arm(drive *d, follow *f, uint32_t *events) {
 }
 
 roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
-                                     uint64_t now_us) {
+                                     uint32_t now_us) {
     if (!d->armed) {
         return d->disarm_cause;
     }
@@ -179,8 +179,8 @@ static bool lease_over(const drive *d, timer *t) {
     return d->lease_active && due(t, d->granted_us, d->lease_us);
 }
 
-void roburoc4_drive_heard(drive *d, uint64_t sent_us) {
-    if ((int64_t)(sent_us - d->heard_us) > 0) {
+void roburoc4_drive_heard(drive *d, uint32_t sent_us) {
+    if ((int32_t)(sent_us - d->heard_us) > 0) {
         d->heard_us = sent_us;
     }
 }
@@ -254,7 +254,7 @@ static void widen_envelope(drive *d) {
 }
 
 /** Until the robot is known to have a new target, or to have stopped, it may keep an old one. */
-static void age_envelope(drive *d, uint32_t window_us, uint64_t now_us) {
+static void age_envelope(drive *d, uint32_t window_us, uint32_t now_us) {
     const bool settled = d->lease_active && !d->stopping ? !d->echo_due : !d->unconfirmed;
     if (settled && now_us - d->envelope_us >= window_us) {
         memcpy(d->low_before, d->low, sizeof d->low);
@@ -267,11 +267,11 @@ static void age_envelope(drive *d, uint32_t window_us, uint64_t now_us) {
 
 /** A target that the robot is not known to have must appear in its statuses. Any that was sent
  * since counts, because statuses miss some of them. */
-static void expect_echo(drive *d, const float *speeds, uint64_t now_us) {
+static void expect_echo(drive *d, const float *speeds, uint32_t now_us) {
     for (uint32_t axis = 0; axis < AXES && !d->echo_due; axis++) {
         if (!near(speeds[axis], d->echoed[axis], d->echoed[axis], NEW_TARGET)) {
             d->echo_due = 1;
-            d->echo_us = (uint32_t)now_us;
+            d->echo_us = now_us;
             memcpy(d->echo_low, speeds, sizeof d->echo_low);
             memcpy(d->echo_high, speeds, sizeof d->echo_high);
         }
@@ -303,7 +303,7 @@ static uint32_t pause_us(const drive *d, const roburoc4_config *config) {
     return d->lease_us / 2 < period_us ? d->lease_us / 2 : period_us;
 }
 
-static void end_stop_sequence(drive *d, uint64_t now_us, uint32_t *events) {
+static void end_stop_sequence(drive *d, uint32_t now_us, uint32_t *events) {
     d->stopping = 0;
     if (d->confirmed) {
         d->outcome = ROBUROC4_STOP_CONFIRMED;
@@ -337,7 +337,7 @@ static bool speed_due(const drive *d, const roburoc4_config *config, timer *t) {
            due(t, d->sent_us, pause_us(d, config));
 }
 
-static void note_sent(drive *d, const float *speeds, uint64_t now_us) {
+static void note_sent(drive *d, const float *speeds, uint32_t now_us) {
     d->changed = 0;
     if (!is_zero(speeds[LINEAR]) || !is_zero(speeds[ANGULAR])) {
         d->nonzero_sent = 1;
@@ -399,6 +399,12 @@ static void watch_other_commander(drive *d, const roburoc4_config *config, bool 
     }
 }
 
+bool roburoc4_drive_moving(const roburoc4_differential_status *s) {
+    return !nearly_zero(s->target_linear_m_s) || !nearly_zero(s->target_angular_rad_s) ||
+           !within_f32(s->current_linear_m_s, rest_below[LINEAR]) ||
+           !within_f32(s->current_angular_rad_s, rest_below[ANGULAR]);
+}
+
 /** Whether one of our speeds may still reach the robot, or be obeyed by it. */
 static bool has_driven(const drive *d) {
     bool driven = d->unconfirmed != 0;
@@ -411,7 +417,7 @@ static bool has_driven(const drive *d) {
 
 /** While driving, what is sent must appear among the reported targets. */
 static void watch_echo(drive *d, const roburoc4_config *config, const float *reported, bool ours,
-                       uint64_t now_us, uint32_t *events) {
+                       uint32_t now_us, uint32_t *events) {
     const bool echoed =
         near(reported[LINEAR], d->echo_low[LINEAR], d->echo_high[LINEAR], TARGET_TOLERANCE) &&
         near(reported[ANGULAR], d->echo_low[ANGULAR], d->echo_high[ANGULAR], TARGET_TOLERANCE);
@@ -421,7 +427,7 @@ static void watch_echo(drive *d, const roburoc4_config *config, const float *rep
     const uint32_t limit_us = uplink_limit_us(config);
     if (!d->echo_due && ours) {
         memcpy(d->echoed, reported, sizeof d->echoed);
-    } else if (d->echo_due && (uint32_t)now_us - d->echo_us >= limit_us &&
+    } else if (d->echo_due && now_us - d->echo_us >= limit_us &&
                (config->options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
         /* if it answers requests in time, it received the target, and dropped it */
         roburoc4_drive_interrupt(
@@ -451,15 +457,13 @@ static void watch_following(drive *d, follow *f, const roburoc4_differential_sta
 }
 
 void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
-                           const roburoc4_differential_status *s, bool overridden, uint64_t age_us,
-                           uint64_t now_us, uint32_t *events) {
+                           const roburoc4_differential_status *s, bool overridden, uint32_t age_us,
+                           uint32_t now_us, uint32_t *events) {
     const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
     age_envelope(d, config->robot_watchdog_ms * MS, now_us);
     const bool zero = nearly_zero(reported[LINEAR]) && nearly_zero(reported[ANGULAR]);
     const bool ours =
         zero || (is_ours(d, LINEAR, reported[LINEAR]) && is_ours(d, ANGULAR, reported[ANGULAR]));
-    d->moving = !zero || !within_f32(s->current_linear_m_s, rest_below[LINEAR]) ||
-                !within_f32(s->current_angular_rad_s, rest_below[ANGULAR]);
     watch_other_commander(d, config, ours || overridden, events);
     if (overridden) {
         d->confirmed = 0; /* the robot ignores commands now */
@@ -482,7 +486,7 @@ void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
                     events);
 }
 
-void roburoc4_drive_rebase(drive *d, uint64_t now_us) {
+void roburoc4_drive_rebase(drive *d, uint32_t now_us) {
     d->sent_us = now_us - SECOND;
     d->stop_us = now_us;
     d->heard_us = now_us;

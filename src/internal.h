@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the files of the client share. Five state machines each keep their own part of
- * roburoc4_client, and read none of another's (discovery gets the open requests, so that nothing is
- * requested twice):
+ * What the files of the client share. Six state machines each keep their own part of
+ * roburoc4_client. Discovery gets the open requests, so that nothing is requested twice;
+ * subscriptions reads what discovery and link know:
  *
  *   requests.c   request ids, retries, matching of answers
  *   link.c       statuses in order, loss, jitter, clock mapping, reboot
  *   drive.c      arming, lease, limits, stop sequence: it alone decides which speeds are sent
  *   follow.c     whether the robot follows its targets
  *   discovery.c  which service has which id, which texts are missing, which input is what
+ *   subscriptions.c  which are wanted, requested, accepted, refused, and which fell silent
  *
- * client.c, schedule.c, receive.c and control.c put them together.
+ * client.c, schedule.c, receive.c, conditions.c, commands.c and values.c put them together.
  */
 #ifndef ROBUROC4_INTERNAL_H
 #define ROBUROC4_INTERNAL_H
@@ -35,23 +36,32 @@ typedef roburoc4_private_values values;
 
 /* ---- time ---- */
 
-/** The time of the current call, and when the first of the things will be due of which this poll
- * asked. A poll that sends nothing has asked of everything, so that is the client's deadline. */
+/** The time of the current call, and how long it will be until the first of the things is due of
+ * which this poll asked. A poll that sends nothing has asked of everything, so that is the client's
+ * deadline.
+ *
+ * Inside, times have 32 bits, and how long ago something was is a difference of two of them: the
+ * client sees to it that none is longer than 2^31 us (see_time). Only the link maps clocks, with 64
+ * bits. A function that asks whether something is due takes a timer; one that only notes the time
+ * takes now_us; those that take a client use private_timer, whose time is that of the call. */
 typedef roburoc4_private_timer timer;
 
 /** Whether so much time has passed; if not, it will be due when it has. */
-static inline bool reached(timer *t, uint64_t passed_us, uint32_t span_us) {
+static inline bool reached(timer *t, uint32_t passed_us, uint32_t span_us) {
     if (passed_us >= span_us) {
         return true;
     }
-    const uint64_t at_us = t->now_us + (span_us - passed_us);
-    t->due_us = at_us < t->due_us ? at_us : t->due_us;
+    t->wait_us = span_us - passed_us < t->wait_us ? span_us - passed_us : t->wait_us;
     return false;
 }
 
-/** Whether something is due this long after that. A clock that went back makes everything due. */
-static inline bool due(timer *t, uint64_t since_us, uint32_t span_us) {
+/** Whether something is due this long after that. */
+static inline bool due(timer *t, uint32_t since_us, uint32_t span_us) {
     return reached(t, t->now_us - since_us, span_us);
+}
+
+static inline uint32_t clipped(uint64_t span_us) {
+    return span_us < UINT32_MAX ? (uint32_t)span_us : UINT32_MAX;
 }
 
 /** How many inputs of a role's kind a client stores. */
@@ -84,12 +94,12 @@ typedef roburoc4_private_requests requests;
 /** Close all requests and leave fixed-id mode. `announce` is set on entering that mode; the client
  * clears it. */
 void roburoc4_requests_clear(requests *r);
-void roburoc4_requests_cancel_all(requests *r, uint64_t now_us);
+void roburoc4_requests_cancel_all(requests *r, uint32_t now_us);
 /** Whether another request may be opened now with `keep` left free after it. */
-bool roburoc4_requests_free(const requests *r, uint32_t keep);
+bool roburoc4_requests_has_room(const requests *r, uint32_t keep);
 /** Whether a text may be requested now. */
-bool roburoc4_requests_free_for_text(const requests *r);
-bool roburoc4_requests_open(const requests *r, const ask *a);
+bool roburoc4_requests_has_room_for_text(const requests *r);
+bool roburoc4_requests_is_open(const requests *r, const ask *a);
 /** Open a request; false if it is open already or there is no room. */
 bool roburoc4_requests_begin(requests *r, const ask *a);
 void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind);
@@ -99,16 +109,16 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round
                             slot **given_up);
 /** The open request to which this answer (at least 5 bytes) or error telegram (at least 1) belongs,
  * or NULL. */
-slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint64_t now_us);
-void roburoc4_requests_close(requests *r, slot *s, uint64_t now_us);
+slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint32_t now_us);
+void roburoc4_requests_close(requests *r, slot *s, uint32_t now_us);
 /** Texts (and in fixed-id mode all requests) wait until no answer to this one can still arrive:
  *  answers to its other tries may take as long as this one took. Without one they wait as after an
  *  error that does not name its request. */
-void roburoc4_requests_be_quiet(requests *r, const slot *s, uint64_t now_us);
+void roburoc4_requests_be_quiet(requests *r, const slot *s, uint32_t now_us);
 /** Stop asking for texts of the first `lists` lists, and wait until no answer can still arrive. */
-void roburoc4_requests_cancel_texts(requests *r, uint32_t lists, uint64_t now_us);
+void roburoc4_requests_cancel_texts(requests *r, uint32_t lists, uint32_t now_us);
 /** After a clock fault: make everything due. */
-void roburoc4_requests_rebase(requests *r, uint64_t now_us);
+void roburoc4_requests_rebase(requests *r, uint32_t now_us);
 
 /* ---- link ---- */
 
@@ -116,9 +126,9 @@ typedef enum verdict { VERDICT_NEW, VERDICT_OLD, VERDICT_REBOOT } verdict;
 
 /** Expect statuses anew (of a lost robot); what was learned of times holds if it is still the same.
  */
-void roburoc4_link_restart(roburoc4_private_link *l);
+void roburoc4_link_restart(roburoc4_private_link *l, const roburoc4_config *config);
 /** Forget what was learned by comparing the clocks of host and robot: it is another one now. */
-void roburoc4_link_forget_times(roburoc4_private_link *l);
+void roburoc4_link_forget_times(roburoc4_private_link *l, uint32_t now_us);
 /** This much time passed between two calls: the clock may have jumped by it. */
 void roburoc4_link_pause(roburoc4_private_link *l, uint64_t pause_us);
 /** Learn times from a status of a subscription that an earlier client made. */
@@ -128,17 +138,20 @@ bool roburoc4_link_was_silent(const roburoc4_private_link *l, uint64_t now_us);
 /** The ids may now belong to other services: no stored status is fresh. */
 void roburoc4_link_invalidate(roburoc4_private_link *l);
 /** The robot accepted the requested period: measure loss against it until another is observed. */
-void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index);
+void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index, uint32_t period_ms);
+/** The service was subscribed to again: whether it was heard since. */
+void roburoc4_link_renewed(roburoc4_private_link *l, uint32_t index, uint32_t now_us);
+bool roburoc4_link_heard(const roburoc4_private_link *l, uint32_t index);
 /** Judge a status of a service; a new one is counted in the statistics. */
 verdict roburoc4_link_status(roburoc4_private_link *l, roburoc4_private_service *s,
                              uint64_t robot_cycles, uint64_t now_us);
 /** The answer to a request sent at `sent_us` arrived now. */
-void roburoc4_link_round_trip(roburoc4_private_link *l, uint64_t sent_us, uint64_t now_us);
-/** Upper bound of the last status's age. */
-uint64_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint64_t now_us);
+void roburoc4_link_round_trip(roburoc4_private_link *l, uint32_t sent_us, uint32_t now_us);
+/** Upper bound of the last status's age; UINT32_MAX is longer than that. */
+uint32_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint64_t now_us);
 /** Whether the last status is certainly younger than `limit_us`. */
 bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us,
-                         timer *t);
+                         uint64_t now_us, timer *t);
 /** The clock went back, from then to now. */
 void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t before_us, uint64_t now_us);
 
@@ -150,13 +163,13 @@ typedef roburoc4_private_follow follow;
 /* m/s and rad/s are treated alike, axis by axis. */
 enum { LINEAR, ANGULAR, AXES };
 
-void roburoc4_drive_start(drive *d, uint64_t now_us);
+void roburoc4_drive_start(drive *d, uint32_t now_us);
 /** Whether the robot's limits are plausible. */
 bool roburoc4_drive_limits_valid(const roburoc4_differential_properties *limits);
 void roburoc4_drive_arm(drive *d, follow *f, uint32_t *events);
 /** Grant a lease, or return why not; the caller has checked that the speeds are finite. */
 roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
-                                     uint64_t now_us);
+                                     uint32_t now_us);
 /** End the lease and disarm for this cause; a stop sequence if a speed was sent. */
 void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events);
 /** End the lease and stay armed; a stop sequence in any case. */
@@ -166,7 +179,7 @@ void roburoc4_drive_stop(drive *d, uint32_t *events);
 /** [A] on the game pad is held, or not. */
 void roburoc4_drive_override(drive *d, bool overridden);
 /** The robot received something that was sent at this time. */
-void roburoc4_drive_heard(drive *d, uint64_t sent_us);
+void roburoc4_drive_heard(drive *d, uint32_t sent_us);
 /** Advance the time: end an expired lease, and disarm if `refusal` is set, or for a reason of the
  *  drive state machine's own. */
 void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_result refusal, timer *t,
@@ -177,12 +190,14 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
                          uint32_t *events);
 void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
                            const roburoc4_differential_status *status, bool overridden,
-                           uint64_t age_us, uint64_t now_us, uint32_t *events);
+                           uint32_t age_us, uint32_t now_us, uint32_t *events);
 /** The differential service has this id and its properties are known, or (known is false) it cannot
  * be driven: the old id still receives a pending stop sequence, another id nothing. */
 void roburoc4_drive_service(drive *d, bool known, uint16_t id);
 /** After a clock fault: a stop sequence continues by count, everything else is due. */
-void roburoc4_drive_rebase(drive *d, uint64_t now_us);
+void roburoc4_drive_rebase(drive *d, uint32_t now_us);
+/** Whether the robot moves, or is to move, by this status. */
+bool roburoc4_drive_moving(const roburoc4_differential_status *status);
 
 /* ---- follow ---- */
 
@@ -316,8 +331,8 @@ static inline bool connected(const roburoc4_client *c) {
 
 /** Until the next status of the right input, nothing is known of the override. */
 static inline void forget_override(roburoc4_client *c) {
-    c->private_values.override_known = 0;
-    c->private_values.overridden = 0;
+    c->private_conditions.override_known = 0;
+    c->private_conditions.overridden = 0;
 }
 
 /** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. */
@@ -357,17 +372,25 @@ void roburoc4_lifecycle_lose(roburoc4_client *c);
 void roburoc4_lifecycle_reboot(roburoc4_client *c);
 /** The clock went back: restart everything that is timed. */
 void roburoc4_lifecycle_clock_fault(roburoc4_client *c, uint64_t now_us);
+/** Before the time becomes now_us: shorten what would have been longer ago than 2^30 us. */
+void roburoc4_lifecycle_limit_ages(roburoc4_client *c, uint64_t now_us);
 /* Longer pauses between two calls are noted. */
 #define PAUSE_US (100 * MS)
+#define OLDEST_US (UINT32_C(1) << 30)
+/** The door: here times have 64 bits. */
 static inline void see_time(roburoc4_client *c, uint64_t now_us) {
-    if (now_us - c->private_timer.now_us >= PAUSE_US) {
-        if (now_us < c->private_timer.now_us) {
+    if (now_us - c->private_now_us >= PAUSE_US) {
+        if (now_us < c->private_now_us) {
             roburoc4_lifecycle_clock_fault(c, now_us);
         } else {
-            roburoc4_link_pause(&c->private_link, now_us - c->private_timer.now_us);
+            roburoc4_link_pause(&c->private_link, now_us - c->private_now_us);
         }
     }
-    c->private_timer.now_us = now_us;
+    if (now_us - c->private_aged_us >= OLDEST_US) {
+        roburoc4_lifecycle_limit_ages(c, now_us);
+    }
+    c->private_now_us = now_us;
+    c->private_timer.now_us = (uint32_t)now_us;
 }
 /** Every public call with a time that may change something begins with this. */
 static inline void begin_call(roburoc4_client *c, uint64_t now_us) {
@@ -375,19 +398,49 @@ static inline void begin_call(roburoc4_client *c, uint64_t now_us) {
     wake(c);
 }
 
-/* ---- control.c ---- */
+/* ---- subscriptions.c ---- */
+
+typedef roburoc4_private_subscriptions subscriptions;
+
+/** All subscriptions are requested again. */
+void roburoc4_subscriptions_restart(subscriptions *s);
+/** The services to request a subscription of now. */
+uint32_t roburoc4_subscriptions_due(const subscriptions *s, const roburoc4_config *config,
+                                    const discovery *d);
+/** Whether the robot refused all that it lists. */
+bool roburoc4_subscriptions_all_declined(const subscriptions *s, const roburoc4_config *config,
+                                         const discovery *d);
+/** Services that were to be subscribed to, but send nothing. */
+uint8_t roburoc4_subscriptions_missing(const subscriptions *s, const roburoc4_config *config,
+                                       const discovery *d);
+/** The subscription is being requested. */
+void roburoc4_subscriptions_inserted(subscriptions *s, uint32_t service, uint32_t now_us);
+/** The robot acknowledged it, or sent a status. */
+void roburoc4_subscriptions_accepted(subscriptions *s, uint32_t service);
+void roburoc4_subscriptions_refused(subscriptions *s, uint32_t service, uint32_t now_us);
+/** Forget what the robot answered about it. */
+void roburoc4_subscriptions_forget(subscriptions *s, uint32_t service);
+/** End it. */
+void roburoc4_subscriptions_leave(subscriptions *s, uint32_t service);
+/** Request those again that fell silent. */
+void roburoc4_subscriptions_renew_silent(subscriptions *s, const roburoc4_config *config,
+                                         const roburoc4_private_link *l, uint64_t now_us, timer *t);
+/** After a clock fault. */
+void roburoc4_subscriptions_rebase(subscriptions *s, uint32_t now_us);
+
+/* ---- conditions.c ---- */
 
 /** Pass the time and the conditions of driving to the drive state machine. */
-void roburoc4_control_tick(roburoc4_client *c);
+void roburoc4_conditions_tick(roburoc4_client *c);
 /** Raise the event of a client that became armable. */
-void roburoc4_control_watch_arming(roburoc4_client *c);
+void roburoc4_conditions_watch_arming(roburoc4_client *c);
+/** Why arming is refused, or 0. */
+roburoc4_result roburoc4_conditions_refusal(const roburoc4_client *c, uint64_t now_us);
 
 /* ---- schedule.c ---- */
 
 /** A request failed: refused by the robot, answered with an invalid telegram, or never answered. */
 void roburoc4_schedule_failed(roburoc4_client *c, const slot *s, roburoc4_result why);
-/** Subscribe again to services that fell silent. */
-void roburoc4_schedule_renew_silent(roburoc4_client *c);
 /** Remember that the robot moved after a pose was given. */
 void roburoc4_schedule_watch_pose(roburoc4_client *c);
 /** Encode the next request that is due: its length, or 0. */

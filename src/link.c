@@ -28,16 +28,27 @@ typedef roburoc4_private_service service;
 /* After this long, statuses that are less late than that are believed to be on time again. */
 #define FORGIVEN_US (60 * SECOND)
 
-void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index) {
+void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index, uint32_t period_ms) {
     service *s = &l->services[index];
-    s->period_cycles = s->asked_cycles;
+    s->period_cycles = (uint16_t)(period_ms / 10);
     s->gap_min = UINT16_MAX;
     s->gap_count = 0;
 }
 
-void roburoc4_link_forget_times(roburoc4_private_link *l) {
+void roburoc4_link_renewed(roburoc4_private_link *l, uint32_t index, uint32_t now_us) {
+    l->services[index].renewed = 1;
+    if (index == STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)) {
+        l->card_inserted_us = now_us;
+    }
+}
+
+bool roburoc4_link_heard(const roburoc4_private_link *l, uint32_t index) {
+    return l->services[index].fresh && !l->services[index].renewed;
+}
+
+void roburoc4_link_forget_times(roburoc4_private_link *l, uint32_t now_us) {
     l->mapped = 0;
-    l->asked_us = 0;
+    l->asked_us = now_us - OLDEST_US;
     l->answered = 0;
     l->round_trip_us = 0;
     l->round_trip_min_us = 0;
@@ -46,15 +57,15 @@ void roburoc4_link_forget_times(roburoc4_private_link *l) {
 }
 
 void roburoc4_link_pause(roburoc4_private_link *l, uint64_t pause_us) {
-    const uint32_t jump_us = pause_us < UINT32_MAX ? (uint32_t)pause_us : UINT32_MAX;
+    const uint32_t jump_us = clipped(pause_us);
     l->slack_us = jump_us > l->slack_us ? jump_us : l->slack_us;
 }
 
-void roburoc4_link_restart(roburoc4_private_link *l) {
+void roburoc4_link_restart(roburoc4_private_link *l, const roburoc4_config *config) {
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         service *s = &l->services[i];
         s->seen = 0;
-        roburoc4_link_expect(l, i);
+        roburoc4_link_expect(l, i, config->period_ms[i + ROBUROC4_SERVICE_IOCARD]);
     }
     l->answered = 0;
     l->round_trip_us = 0;
@@ -64,7 +75,7 @@ void roburoc4_link_restart(roburoc4_private_link *l) {
 /** Whether a status that is older than the newest of all services is from a restarted robot. */
 static bool restarted(roburoc4_private_link *l, const service *s, uint64_t robot_cycles,
                       uint64_t now_us) {
-    const bool renewed = s->inserted_us > s->received_us && now_us - s->received_us >= SECOND;
+    const bool renewed = s->renewed && now_us - s->received_us >= SECOND;
     if (l->resubscribed) {
         return true;
     }
@@ -182,15 +193,15 @@ static void map_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
     if (!l->mapped) {
         l->mapped = 1;
         l->offset_us = l->offset_before_us = offset;
-        l->offset_since_us = now_us;
+        l->offset_since_us = (uint32_t)now_us;
         l->floor_age_us = AGE_UNKNOWN;
         l->floor_us = transit;
         l->proven_us = now_us;
         l->excess_us = 0;
-    } else if (now_us - l->offset_since_us >= MAP_WINDOW_US) {
+    } else if ((uint32_t)now_us - l->offset_since_us >= MAP_WINDOW_US) {
         l->offset_before_us = l->offset_us;
         l->offset_us = offset;
-        l->offset_since_us = now_us;
+        l->offset_since_us = (uint32_t)now_us;
     } else if (offset < l->offset_us) {
         l->offset_us = offset;
     }
@@ -237,12 +248,12 @@ static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_
  *  statuses look late. Because a network can swap an answer and a status, the bound is lowered only
  *  by what all such pairs within a second agree on. */
 static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
-    const uint64_t proven_us = now_us - l->asked_us + ROBUROC4_CYCLE_US;
+    const uint32_t proven_us = (uint32_t)now_us - l->asked_us + ROBUROC4_CYCLE_US;
     const uint64_t bound_us = lateness(l, transit) + l->floor_age_us + drifted_us(l, now_us);
     const uint64_t over_us = bound_us > proven_us ? bound_us - proven_us : 0;
-    const uint32_t excess_us = over_us < AGE_UNKNOWN ? (uint32_t)over_us : AGE_UNKNOWN;
+    const uint32_t excess_us = clipped(over_us);
     if (l->floor_age_us == AGE_UNKNOWN) {
-        l->floor_age_us = proven_us < AGE_UNKNOWN ? (uint32_t)proven_us : AGE_UNKNOWN;
+        l->floor_age_us = proven_us;
         l->proven_us = now_us;
     } else if (l->excess_us == 0) {
         if (lateness(l, transit) <=
@@ -266,7 +277,7 @@ static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
 static bool dates_itself(const roburoc4_private_link *l, const service *s, uint64_t now_us) {
     const service *card = &l->services[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)];
     return s < &l->services[STATUS_INDEX(ROBUROC4_SERVICE_LOCALIZATION)] ||
-           (now_us - card->received_us >= SECOND && now_us - card->inserted_us >= SECOND);
+           (now_us - card->received_us >= SECOND && (uint32_t)now_us - l->card_inserted_us >= SECOND);
 }
 
 /** Whether a status is from later than is possible: from a robot that restarted, or another one. */
@@ -285,12 +296,12 @@ static bool clock_was_set(roburoc4_private_link *l, uint64_t transit, uint64_t n
     if (!l->mapped || lateness(l, transit) <= drifted_us(l, now_us) + CLOCK_TOLERANCE_US) {
         return false;
     }
-    return l->resubscribed || (l->answered && now_us - l->asked_us < CLOCK_TOLERANCE_US &&
+    return l->resubscribed || (l->answered && (uint32_t)now_us - l->asked_us < CLOCK_TOLERANCE_US &&
                                contradicted_for(l, CONTRADICTION_US, now_us));
 }
 
 static bool was_silent(const roburoc4_private_link *l, uint64_t now_us) {
-    return l->resubscribed || now_us - l->heard_us >= RESTART_US;
+    return l->resubscribed || (uint32_t)now_us - l->heard_us >= RESTART_US;
 }
 
 /** Whether a status may be from another start of the robot than what was read before, though its
@@ -304,7 +315,7 @@ static bool clock_is_lost(const roburoc4_private_link *l, uint64_t robot_cycles,
 }
 
 bool roburoc4_link_was_silent(const roburoc4_private_link *l, uint64_t now_us) {
-    return !l->mapped && now_us - l->last_used_us >= RESTART_US;
+    return !l->mapped && (uint32_t)now_us - l->last_used_us >= RESTART_US;
 }
 
 void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {
@@ -370,35 +381,35 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
     s->robot_cycles = robot_cycles;
     s->received_us = now_us;
     s->fresh = 1;
-    l->heard_us = now_us;
+    s->renewed = 0;
+    l->heard_us = (uint32_t)now_us;
     l->resubscribed = 0;
     return VERDICT_NEW;
 }
 
-void roburoc4_link_round_trip(roburoc4_private_link *l, uint64_t sent_us, uint64_t now_us) {
-    const uint64_t elapsed = now_us - sent_us;
-    const uint32_t sample = elapsed < UINT32_MAX ? (uint32_t)elapsed : UINT32_MAX;
+void roburoc4_link_round_trip(roburoc4_private_link *l, uint32_t sent_us, uint32_t now_us) {
+    const uint32_t sample = now_us - sent_us;
     if (l->round_trip_min_us == 0 || sample < l->round_trip_min_us) {
         l->round_trip_min_us = sample > 0 ? sample : 1;
     }
     l->round_trip_us =
         l->round_trip_us == 0 ? sample : l->round_trip_us - l->round_trip_us / 8 + sample / 8;
-    if (l->asked_us == 0 || (int64_t)(sent_us - l->asked_us) >= 0) {
+    if ((int32_t)(sent_us - l->asked_us) >= 0) {
         l->asked_us = sent_us;
         l->answered = 1;
     }
 }
 
-uint64_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint64_t now_us) {
+uint32_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint64_t now_us) {
     const service *s = &l->services[index];
-    return now_us - s->received_us + lateness(l, transit_of(s->robot_cycles, s->received_us)) +
-           l->floor_age_us + drifted_us(l, s->received_us);
+    return clipped(now_us - s->received_us +
+                   lateness(l, transit_of(s->robot_cycles, s->received_us)) + l->floor_age_us +
+                   drifted_us(l, s->received_us));
 }
 
 bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us,
-                         timer *t) {
-    return l->services[index].fresh &&
-           !reached(t, roburoc4_link_age(l, index, t->now_us), limit_us);
+                         uint64_t now_us, timer *t) {
+    return l->services[index].fresh && !reached(t, roburoc4_link_age(l, index, now_us), limit_us);
 }
 
 void roburoc4_link_invalidate(roburoc4_private_link *l) {
@@ -409,11 +420,12 @@ void roburoc4_link_invalidate(roburoc4_private_link *l) {
 
 void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t before_us, uint64_t now_us) {
     roburoc4_link_invalidate(l); /* the age of statuses is no longer known */
-    l->heard_us += now_us - before_us;
+    l->heard_us += (uint32_t)(now_us - before_us);
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
-        l->services[i].inserted_us = now_us;
+        l->services[i].renewed = 0;
     }
-    l->last_used_us = now_us;
-    roburoc4_link_forget_times(l);
-    l->asked_us = now_us; /* nor is it known when the open requests were sent */
+    l->last_used_us = (uint32_t)now_us;
+    l->card_inserted_us = (uint32_t)now_us;
+    roburoc4_link_forget_times(l, (uint32_t)now_us);
+    l->asked_us = (uint32_t)now_us; /* nor is it known when the open requests were sent */
 }

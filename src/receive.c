@@ -85,7 +85,7 @@ static roburoc4_result take_localization(client *c, const uint8_t *data, size_t 
     roburoc4_localization_properties p;
     const roburoc4_result result = roburoc4_decode_localization_properties(data, size, &p);
     if (result >= 0) {
-        store(c, &c->private_values.initial, &p, sizeof p);
+        store(c, &c->private_values.localization_properties, &p, sizeof p);
     }
     return result;
 }
@@ -129,20 +129,19 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
     roburoc4_private_link *l = &c->private_link;
     const uint64_t floor_us = l->floor_us;
     const verdict age = roburoc4_link_status(l, &l->services[STATUS_INDEX(service)], robot_cycles,
-                                             c->private_timer.now_us);
+                                             c->private_now_us);
     if (age != VERDICT_NEW) {
         if (age == VERDICT_REBOOT) {
             forget_override(c);
             if (c->private_state != ROBUROC4_STATE_CLOSING) {
                 roburoc4_lifecycle_reboot(c);
-                roburoc4_link_overhear(l, robot_cycles, c->private_timer.now_us);
+                roburoc4_link_overhear(l, robot_cycles, c->private_now_us);
             }
         }
         return false;
     }
     if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
-        c->private_discovery.acked |= service_bit(service); /* as good as an acknowledgement */
-        c->private_discovery.denied &= (uint8_t)~service_bit(service);
+        roburoc4_subscriptions_accepted(&c->private_subscriptions, service);
         wake(c);
     }
     if (l->floor_us < floor_us) {
@@ -204,14 +203,15 @@ static void take_inputs(client *c, const roburoc4_channels *inputs) {
     const roburoc4_result index = index_of_role(c, ROBUROC4_ROLE_OVERRIDE);
     const uint8_t known = index >= 0;
     const uint8_t overridden = known ? (uint8_t)(digital >> index & 1) : 0;
-    if (overridden != v->overridden) {
+    if (overridden != c->private_conditions.overridden) {
         raise_event(c, ROBUROC4_EVENT_OVERRIDE);
     }
-    if (known != v->override_known || overridden != v->overridden) {
+    if (known != c->private_conditions.override_known ||
+        overridden != c->private_conditions.overridden) {
         wake(c);
     }
-    v->override_known = known;
-    v->overridden = overridden;
+    c->private_conditions.override_known = known;
+    c->private_conditions.overridden = overridden;
     if (c->private_state != ROBUROC4_STATE_CLOSING) { /* which the stop sequence must end */
         roburoc4_drive_override(&c->private_drive, overridden);
     }
@@ -242,14 +242,16 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     drive *d = &c->private_drive;
     const uint8_t armed = d->armed;
     v->differential = *status;
+    c->private_conditions.moving = roburoc4_drive_moving(status);
     if (c->private_outputs.relocalizing) {
         roburoc4_schedule_watch_pose(c);
     }
-    roburoc4_drive_status(
-        d, &c->private_follow, &c->private_config, &v->differential, v->overridden,
-        roburoc4_link_age(&c->private_link, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
-                          c->private_timer.now_us),
-        c->private_timer.now_us, &c->private_events);
+    roburoc4_drive_status(d, &c->private_follow, &c->private_config, &v->differential,
+                          c->private_conditions.overridden,
+                          roburoc4_link_age(&c->private_link,
+                                            STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
+                                            c->private_now_us),
+                          c->private_timer.now_us, &c->private_events);
     if (d->stopping || d->armed != armed) {
         wake(c);
     }
@@ -272,7 +274,8 @@ static inline uint32_t service_with_id(const discovery *d, uint32_t services, ui
 /** A status of at least its head's length. */
 static roburoc4_result receive_status(client *c, const uint8_t *data, size_t size) {
     const discovery *d = &c->private_discovery;
-    const uint32_t service = service_with_id(d, d->inserted, load_u16(data + 1));
+    const uint32_t service =
+        service_with_id(d, c->private_subscriptions.inserted, load_u16(data + 1));
     values *v = &c->private_values;
     any_status status;
     const roburoc4_result result = decode_status(c, service, data, size, &status);
@@ -309,7 +312,7 @@ static void overhear(client *c, const uint8_t *data) {
     const discovery *d = &c->private_discovery;
     if (c->private_state == ROBUROC4_STATE_DISCOVERING && d->identified &&
         service_with_id(d, d->listed, load_u16(data + 1)) != 0) {
-        roburoc4_link_overhear(&c->private_link, load_u64(data + 3), c->private_timer.now_us);
+        roburoc4_link_overhear(&c->private_link, load_u64(data + 3), c->private_now_us);
     }
 }
 
@@ -394,12 +397,12 @@ static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data
         }
         break;
     case ROBUROC4_ACTION_INSERT:
-        roburoc4_link_expect(&c->private_link, STATUS_INDEX((uint32_t)s->ask.kind));
-        d->acked |= service_bit(s->ask.kind);
-        d->denied &= (uint8_t)~service_bit(s->ask.kind);
+        roburoc4_link_expect(&c->private_link, STATUS_INDEX((uint32_t)s->ask.kind),
+                             c->private_config.period_ms[s->ask.kind]);
+        roburoc4_subscriptions_accepted(&c->private_subscriptions, s->ask.kind);
         break;
     case ROBUROC4_ACTION_DELETE:
-        d->leaving &= (uint8_t)~service_bit(s->ask.kind);
+        c->private_subscriptions.leaving &= (uint8_t)~service_bit(s->ask.kind);
         break;
     default: /* REPLACE */
         roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_OK);
@@ -417,7 +420,7 @@ static bool measures_round_trip(const client *c, const slot *s, uint8_t id) {
     return !c->private_requests.fixed_id ||
            (s->tries == 1 && s->ask.action == ROBUROC4_ACTION_GET &&
             c->private_state == ROBUROC4_STATE_READY &&
-            c->private_timer.now_us - c->private_discovery.phase_us >= LATE_ANSWER_US);
+            c->private_timer.now_us - c->private_schedule.phase_us >= LATE_ANSWER_US);
 }
 
 /** An answer to no open request while a text is doubted. If it is about another kind of text, the
@@ -516,8 +519,8 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
     c->private_discovery.described_kind = 0;
     if (size >= STATUS_HEAD && datagram[0] == ROBUROC4_HEADER_STATUS) {
         result = receive_status(c, datagram, size);
-        if (!c->private_values.armable && !c->private_drive.armed) {
-            roburoc4_control_watch_arming(c);
+        if (!c->private_conditions.armable && !c->private_drive.armed) {
+            roburoc4_conditions_watch_arming(c);
         }
     } else if (size == 0 || datagram[0] == ROBUROC4_HEADER_STATUS) {
         result = ROBUROC4_ERR_SHORT;
@@ -535,6 +538,6 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
     if (result > 0) {
         count(c, ROBUROC4_COUNT_SURPLUS);
     }
-    c->private_link.last_used_us = now_us;
+    c->private_link.last_used_us = (uint32_t)now_us;
     return result;
 }

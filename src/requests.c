@@ -59,7 +59,7 @@ static bool text_open(const requests *r) {
     return false;
 }
 
-void roburoc4_requests_cancel_all(requests *r, uint64_t now_us) {
+void roburoc4_requests_cancel_all(requests *r, uint32_t now_us) {
     if (texts_are_doubtful(r) && text_open(r)) {
         roburoc4_requests_be_quiet(r, NULL, now_us);
     }
@@ -68,7 +68,7 @@ void roburoc4_requests_cancel_all(requests *r, uint64_t now_us) {
     }
 }
 
-bool roburoc4_requests_free(const requests *r, uint32_t keep) {
+bool roburoc4_requests_has_room(const requests *r, uint32_t keep) {
     uint32_t open = 0;
     for (uint32_t i = 0; i < SLOTS; i++) {
         open += r->slots[i].open;
@@ -79,12 +79,12 @@ bool roburoc4_requests_free(const requests *r, uint32_t keep) {
     return open + keep < SLOTS;
 }
 
-bool roburoc4_requests_free_for_text(const requests *r) {
+bool roburoc4_requests_has_room_for_text(const requests *r) {
     /* texts leave one request free for urgent ones */
-    return roburoc4_requests_free(r, r->single_texts ? SLOTS - 1 : 1) && !r->quiet;
+    return roburoc4_requests_has_room(r, r->single_texts ? SLOTS - 1 : 1) && !r->quiet;
 }
 
-bool roburoc4_requests_open(const requests *r, const ask *a) {
+bool roburoc4_requests_is_open(const requests *r, const ask *a) {
     for (uint32_t i = 0; i < SLOTS; i++) {
         /* the number of tries does not matter here */
         if (r->slots[i].open && memcmp(&r->slots[i].ask, a, offsetof(ask, max_tries)) == 0) {
@@ -99,7 +99,7 @@ bool roburoc4_requests_begin(requests *r, const ask *a) {
     while (i < SLOTS && r->slots[i].open) {
         i++;
     }
-    if (i == SLOTS || roburoc4_requests_open(r, a)) {
+    if (i == SLOTS || roburoc4_requests_is_open(r, a)) {
         return false;
     }
     memset(&r->slots[i], 0, sizeof r->slots[i]);
@@ -151,7 +151,7 @@ static uint8_t next_id(requests *r, const slot *s) {
 
 /** Use only 0x01 from now on, and close all requests but this one. A text is closed, too, as the
  * answer may be to another one; then NULL. */
-static slot *go_to_fixed_id(requests *r, const slot *only, uint64_t now_us) {
+static slot *go_to_fixed_id(requests *r, const slot *only, uint32_t now_us) {
     const slot kept = *only;
     const bool texts = text_open(r);
     roburoc4_requests_clear(r);
@@ -184,13 +184,13 @@ static uint32_t usual_wait_us(const slot *s, uint32_t longest_us, uint32_t round
         s->tries / 2U);
 }
 
-static void begin_try(requests *r, slot *s, uint32_t wait_us, uint64_t now_us) {
+static void begin_try(requests *r, slot *s, uint32_t wait_us, uint32_t now_us) {
     const uint8_t id = next_id(r, s);
-    const uint64_t elapsed_us = now_us - s->sent_us;
+    const uint32_t elapsed_us = now_us - s->sent_us;
     if (s->tries == 0 || id != s->id || elapsed_us > LONGEST_PAUSE_US) {
         s->sent_us = now_us;
     }
-    s->wait_us = (uint32_t)(now_us - s->sent_us) + wait_us;
+    s->wait_us = now_us - s->sent_us + wait_us;
     s->id = id;
     s->ones &= 0x7F; /* no answer with 0x01 to this try yet */
     s->tries = s->tries < TRIES_WRAP ? s->tries + 1U : TRIES_WRAP + 1 - MANUAL_ID_EVERY;
@@ -231,7 +231,7 @@ static uint32_t wait_us(const requests *r, const slot *s, uint32_t longest_us,
                        : usual_wait_us(s, longest_us, round_trip_us);
 }
 
-static bool tries_used_up(const slot *s, uint32_t end_us, uint64_t now_us) {
+static bool tries_used_up(const slot *s, uint32_t end_us, uint32_t now_us) {
     return s->ask.max_tries != REQUEST_FOREVER && s->tries >= s->ask.max_tries &&
            now_us - s->sent_us >= end_us;
 }
@@ -293,10 +293,10 @@ static bool only_manual_id(slot *s) {
     return (s->ones & 0x7F) >= FIXED_AFTER;
 }
 
-static void wait_for_copies(requests *r, uint8_t what, uint32_t wait_us, uint64_t now_us) {
-    const uint64_t passed_us = now_us - r->quiet_since_us;
-    const bool longer = r->quiet && passed_us < r->quiet_span_us &&
-                        r->quiet_span_us - (uint32_t)passed_us > wait_us;
+static void wait_for_copies(requests *r, uint8_t what, uint32_t wait_us, uint32_t now_us) {
+    const uint32_t passed_us = now_us - r->quiet_since_us;
+    const bool longer =
+        r->quiet && passed_us < r->quiet_span_us && r->quiet_span_us - passed_us > wait_us;
     if (!longer) {
         r->quiet_since_us = now_us;
         r->quiet_span_us = wait_us;
@@ -304,13 +304,13 @@ static void wait_for_copies(requests *r, uint8_t what, uint32_t wait_us, uint64_
     r->quiet = r->quiet > what ? r->quiet : what;
 }
 
-void roburoc4_requests_be_quiet(requests *r, const slot *s, uint64_t now_us) {
+void roburoc4_requests_be_quiet(requests *r, const slot *s, uint32_t now_us) {
     uint32_t wait_us = QUIET_US;
     if (s != NULL && s->tries > 1) {
-        const uint64_t took_us = now_us - s->sent_us;
+        const uint32_t took_us = now_us - s->sent_us;
         wait_us = at_most(s->wait_us, MAX_WAIT_US);
         if (took_us > wait_us) {
-            wait_us = took_us < LONGEST_QUIET_US ? (uint32_t)took_us : LONGEST_QUIET_US;
+            wait_us = at_most(took_us, LONGEST_QUIET_US);
         }
     }
     wait_for_copies(r, QUIET_ALL, wait_us, now_us);
@@ -318,20 +318,19 @@ void roburoc4_requests_be_quiet(requests *r, const slot *s, uint64_t now_us) {
 
 /** Another text waits until an answer that belongs to this one must have arrived, however little
  * time the answer took that was taken for it. */
-static void be_quiet_after_text(requests *r, uint64_t now_us) {
+static void be_quiet_after_text(requests *r, uint32_t now_us) {
     wait_for_copies(r, QUIET_TEXTS, slower(SHORTEST_QUIET_US, r), now_us);
 }
 
 /** The slowest answer of the last ones in fixed-id mode, as an upper bound of the round trip. */
-static void note_slowest(requests *r, const slot *s, uint64_t now_us) {
-    const uint64_t took_us = now_us - s->sent_us;
-    const uint32_t took_ms =
-        (uint32_t)(took_us < LONGEST_QUIET_US / 2 ? took_us : LONGEST_QUIET_US / 2) / MS + 1;
+static void note_slowest(requests *r, const slot *s, uint32_t now_us) {
+    const uint32_t took_us = now_us - s->sent_us;
+    const uint32_t took_ms = at_most(took_us, LONGEST_QUIET_US / 2) / MS + 1;
     const uint32_t before_ms = r->slowest_ms * 7U / 8U;
     r->slowest_ms = (uint16_t)(took_ms > before_ms ? took_ms : before_ms);
 }
 
-void roburoc4_requests_cancel_texts(requests *r, uint32_t lists, uint64_t now_us) {
+void roburoc4_requests_cancel_texts(requests *r, uint32_t lists, uint32_t now_us) {
     for (uint32_t i = 0; i < SLOTS; i++) {
         slot *s = &r->slots[i];
         if (s->open && is_text(s) && s->ask.detail < lists) {
@@ -343,12 +342,12 @@ void roburoc4_requests_cancel_texts(requests *r, uint32_t lists, uint64_t now_us
 
 /** An error telegram does not name the text that it refuses: from now on request one text at a
  * time. */
-static void ask_single_texts(requests *r, uint64_t now_us) {
+static void ask_single_texts(requests *r, uint32_t now_us) {
     r->single_texts = 1;
     roburoc4_requests_cancel_texts(r, LIST_DIRECTORY + 1, now_us);
 }
 
-slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint64_t now_us) {
+slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint32_t now_us) {
     slot *oldest = NULL;
     uint32_t fitting = 0;
     for (uint32_t i = 0; i < SLOTS; i++) {
@@ -390,7 +389,7 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
     return only_manual_id(oldest) ? go_to_fixed_id(r, oldest, now_us) : NULL;
 }
 
-void roburoc4_requests_close(requests *r, slot *s, uint64_t now_us) {
+void roburoc4_requests_close(requests *r, slot *s, uint32_t now_us) {
     s->open = 0;
     if (!r->fixed_id) {
         return;
@@ -405,7 +404,7 @@ void roburoc4_requests_close(requests *r, slot *s, uint64_t now_us) {
     }
 }
 
-void roburoc4_requests_rebase(requests *r, uint64_t now_us) {
+void roburoc4_requests_rebase(requests *r, uint32_t now_us) {
     for (uint32_t i = 0; i < SLOTS; i++) {
         r->slots[i].sent_us = now_us - r->slots[i].wait_us;
     }

@@ -26,7 +26,7 @@ static bool open_about(client *c, uint8_t action, uint32_t service, uint8_t max_
     if (action == ROBUROC4_ACTION_INSERT || action == ROBUROC4_ACTION_DELETE) {
         a.target = ROBUROC4_SERVICE_NOTIFICATION;
         a.subject = id;
-        a.detail = c->private_link.services[STATUS_INDEX(service)].asked_cycles;
+        a.detail = (uint8_t)(c->private_config.period_ms[service] / 10);
     }
     return roburoc4_requests_begin(&c->private_requests, &a);
 }
@@ -45,19 +45,15 @@ static uint32_t properties_due(const discovery *d) {
     return d->listed & ~(uint32_t)(d->known | d->refused);
 }
 
-/** Services whose subscription is wanted and possible, but neither accepted nor refused yet. The IO
- * card's statuses cannot be decoded without its properties. */
 static uint32_t subscriptions_due(const client *c) {
-    const discovery *d = &c->private_discovery;
-    const uint32_t readable = d->known | ~(uint32_t)service_bit(ROBUROC4_SERVICE_IOCARD);
-    return d->wanted & d->listed & readable & ~(uint32_t)(d->acked | d->declined);
+    return roburoc4_subscriptions_due(&c->private_subscriptions, &c->private_config,
+                                      &c->private_discovery);
 }
 
-/** Whether the robot refused every subscription. */
 static bool all_declined(const client *c) {
-    const discovery *d = &c->private_discovery;
-    return c->private_state == ROBUROC4_STATE_SUBSCRIBING && subscriptions_due(c) == 0 &&
-           (d->declined & d->wanted & d->listed) != 0 && (d->acked & d->wanted) == 0;
+    return c->private_state == ROBUROC4_STATE_SUBSCRIBING &&
+           roburoc4_subscriptions_all_declined(&c->private_subscriptions, &c->private_config,
+                                               &c->private_discovery);
 }
 
 static bool open_first_insert(client *c) {
@@ -65,15 +61,16 @@ static bool open_first_insert(client *c) {
     if (service == 0) {
         return false;
     }
-    c->private_discovery.inserted |= service_bit(service);
-    c->private_link.services[STATUS_INDEX(service)].inserted_us = c->private_timer.now_us;
+    roburoc4_subscriptions_inserted(&c->private_subscriptions, service, c->private_timer.now_us);
+    roburoc4_link_renewed(&c->private_link, STATUS_INDEX(service), c->private_timer.now_us);
     return true;
 }
 
 static bool open_text(client *c, text_choice choice) {
     discovery *d = &c->private_discovery;
     ask a;
-    if ((d->done && !d->text_due) || !roburoc4_requests_free_for_text(&c->private_requests) ||
+    if ((d->texts_done && !d->text_due) ||
+        !roburoc4_requests_has_room_for_text(&c->private_requests) ||
         !roburoc4_discovery_next_text(d, &c->private_requests, c->private_values.io_counts, choice,
                                       &a)) {
         return false;
@@ -86,15 +83,16 @@ static bool open_text(client *c, text_choice choice) {
  * a changed directory, and repeats what was refused. Then a missing text is requested. */
 static bool open_probe(client *c) {
     discovery *d = &c->private_discovery;
-    if (!due(&c->private_timer, d->probe_us, probe_period_us(c))) {
+    roburoc4_private_schedule *s = &c->private_schedule;
+    if (!due(&c->private_timer, s->probe_us, probe_period_us(c))) {
         return false;
     }
-    d->probe_us = c->private_timer.now_us;
+    s->probe_us = c->private_timer.now_us;
     if (!c->private_drive.lease_active) {
         roburoc4_discovery_ask_again(d, c->private_values.io_counts);
     }
-    if (d->probe_kind == 0) {
-        d->declined = 0;
+    if (s->probe_kind == 0) {
+        c->private_subscriptions.declined = 0;
         if (c->private_requests.fixed_id && index_of_role(c, ROBUROC4_ROLE_OVERRIDE) < 0 &&
             roburoc4_discovery_inputs_passed(d, c->private_values.io_counts)) {
             roburoc4_discovery_forget_inputs(d);
@@ -103,37 +101,9 @@ static bool open_probe(client *c) {
         }
     }
     do {
-        d->probe_kind = (uint8_t)((d->probe_kind + 1U) % ROBUROC4_SERVICE_COUNT);
-    } while (d->probe_kind != 0 && (d->listed & service_bit(d->probe_kind)) == 0);
-    return open_about(c, ROBUROC4_ACTION_GET, d->probe_kind, PROBE_TRIES);
-}
-
-/** Whether statuses of a service came since it was last subscribed to. */
-static bool heard(const client *c, uint32_t i) {
-    const roburoc4_private_service *s = &c->private_link.services[i];
-    return s->fresh && s->received_us > s->inserted_us;
-}
-
-/** Whether a service has been silent for long enough to subscribe to it again. */
-static bool renewal_due(client *c, uint32_t i) {
-    const discovery *d = &c->private_discovery;
-    const roburoc4_private_service *s = &c->private_link.services[i];
-    return (d->acked & d->wanted & service_bit(i + FIRST_STATUS_SERVICE)) != 0 &&
-           due(&c->private_timer, heard(c, i) ? s->received_us : s->inserted_us,
-               SECOND + 5U * (uint32_t)ROBUROC4_CYCLE_US * s->asked_cycles);
-}
-
-void roburoc4_schedule_renew_silent(client *c) {
-    discovery *d = &c->private_discovery;
-    for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
-        const uint8_t bit = service_bit(i + FIRST_STATUS_SERVICE);
-        if (renewal_due(c, i)) {
-            d->acked &= (uint8_t)~bit;
-        }
-        if (heard(c, i)) {
-            d->denied &= (uint8_t)~bit; /* refused, but sent all the same */
-        }
-    }
+        s->probe_kind = (uint8_t)((s->probe_kind + 1U) % ROBUROC4_SERVICE_COUNT);
+    } while (s->probe_kind != 0 && (d->listed & service_bit(s->probe_kind)) == 0);
+    return open_about(c, ROBUROC4_ACTION_GET, s->probe_kind, PROBE_TRIES);
 }
 
 void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
@@ -158,14 +128,11 @@ void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
         break;
     case ROBUROC4_ACTION_INSERT:
         raise_event(c, ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
-        d->declined |= service_bit(s->ask.kind);
-        d->denied |= service_bit(s->ask.kind);
-        if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
-            d->phase_us = c->private_timer.now_us; /* meanwhile texts are read */
-        }
+        roburoc4_subscriptions_refused(&c->private_subscriptions, s->ask.kind,
+                                       c->private_timer.now_us);
         break;
     case ROBUROC4_ACTION_DELETE:
-        d->leaving &= (uint8_t)~service_bit(s->ask.kind);
+        c->private_subscriptions.leaving &= (uint8_t)~service_bit(s->ask.kind);
         break;
     default: /* REPLACE */
         roburoc4_lifecycle_relocalize_ends(c, why);
@@ -190,8 +157,8 @@ static bool open_next(client *c) {
                 open_about(c, ROBUROC4_ACTION_REPLACE, ROBUROC4_SERVICE_LOCALIZATION,
                            REQUEST_TRIES)) ||
                open_first(c, ROBUROC4_ACTION_GET, properties_due(d)) != 0 || open_first_insert(c) ||
-               open_first(c, ROBUROC4_ACTION_DELETE, d->leaving) != 0 || open_probe(c) ||
-               open_text(c, TEXTS_ALL);
+               open_first(c, ROBUROC4_ACTION_DELETE, c->private_subscriptions.leaving) != 0 ||
+               open_probe(c) || open_text(c, TEXTS_ALL);
     default: /* connecting, lost */
         return open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_FOREVER);
     }
@@ -203,7 +170,7 @@ static void advance(client *c) {
     const int32_t *io_counts = c->private_values.io_counts;
     if (c->private_state == ROBUROC4_STATE_DISCOVERING && !d->identified &&
         (roburoc4_discovery_services_passed(d) ||
-         due(&c->private_timer, d->phase_us, IDENTIFY_US))) {
+         due(&c->private_timer, c->private_schedule.phase_us, IDENTIFY_US))) {
         roburoc4_discovery_identify(d, &c->private_config);
         roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_QUERY,
                                  ROBUROC4_SERVICE_DIRECTORY);
@@ -222,17 +189,17 @@ static void advance(client *c) {
         roburoc4_lifecycle_enter(c, ROBUROC4_STATE_SUBSCRIBING);
     }
     if (all_declined(c)) { /* not ready: there is no data */
-        if (due(&c->private_timer, d->phase_us, SECOND)) {
-            d->declined = 0;
+        if (due(&c->private_timer, c->private_subscriptions.refused_us, SECOND)) {
+            c->private_subscriptions.declined = 0;
             open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, PROBE_TRIES);
         }
     } else if (c->private_state == ROBUROC4_STATE_SUBSCRIBING && subscriptions_due(c) == 0) {
-        d->probe_us = c->private_timer.now_us;
+        c->private_schedule.probe_us = c->private_timer.now_us;
         roburoc4_lifecycle_enter(c, ROBUROC4_STATE_READY);
     }
-    if (c->private_state == ROBUROC4_STATE_READY && !d->done &&
+    if (c->private_state == ROBUROC4_STATE_READY && !d->texts_done &&
         roburoc4_discovery_texts_passed(d, io_counts)) {
-        d->done = 1;
+        d->texts_done = 1;
         raise_event(c, ROBUROC4_EVENT_DESCRIPTIONS_DONE);
     }
 }
@@ -261,7 +228,7 @@ static bool pose_holds(client *c, const slot *s) {
     }
     if (!roburoc4_link_fresh(&c->private_link, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
                              at_most(c->private_config.fresh_ms, POSE_FRESH_MS) * MS,
-                             &c->private_timer)) {
+                             c->private_now_us, &c->private_timer)) {
         o->unwatched = 1;
     }
     return !o->moved && !o->unwatched;
@@ -327,7 +294,7 @@ roburoc4_result roburoc4_schedule_poll(client *c, uint8_t *buffer, size_t capaci
             raise_event(c, found ? ROBUROC4_EVENT_ROLE : 0);
             continue;
         }
-        if (!roburoc4_requests_free(&c->private_requests, 0) || !open_next(c)) {
+        if (!roburoc4_requests_has_room(&c->private_requests, 0) || !open_next(c)) {
             return 0;
         }
     }

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The conditions of driving: which of them fails first, in the order in which arm() reports them;
+ * and what follows from that as time passes.
+ */
+#include "internal.h"
+
+static bool fresh(const client *c, uint32_t service, uint64_t now_us, timer *t) {
+    return roburoc4_link_fresh(&c->private_link, STATUS_INDEX(service),
+                               c->private_config.fresh_ms * MS, now_us, t);
+}
+
+/** Whether an input may be the game pad's [A]. Until the services are known, the IO card's
+ * properties were read and its texts were requested, there may be one. A configured override input
+ * exists unless the card has fewer inputs. */
+static bool may_have_pad(const client *c) {
+    const discovery *d = &c->private_discovery;
+    const bool automatic =
+        c->private_config.role_index[ROBUROC4_ROLE_OVERRIDE] == ROBUROC4_INDEX_AUTO;
+    if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
+        return !automatic || roburoc4_discovery_doubtful(d, &c->private_config);
+    }
+    return (d->known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0 ||
+           (automatic && !roburoc4_discovery_inputs_passed(d, c->private_values.io_counts)) ||
+           index_of_role(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
+}
+
+/** Why there is no fresh status of a service: `stale`, unless there is no subscription. A service
+ * that is not listed may be one that is not identified yet. */
+static roburoc4_result not_fresh(const client *c, uint32_t service, roburoc4_result stale) {
+    const discovery *d = &c->private_discovery;
+    const bool listed = (d->listed & service_bit(service)) != 0;
+    const uint8_t missing =
+        roburoc4_subscriptions_missing(&c->private_subscriptions, &c->private_config, d);
+    return (missing & service_bit(service)) != 0 &&
+                   (listed || !roburoc4_discovery_doubtful(d, &c->private_config))
+               ? ROBUROC4_ERR_NOT_SUBSCRIBED
+               : stale;
+}
+
+/** Why driving is not allowed now, or 0. */
+static roburoc4_result refusal(const client *c, uint64_t now_us, timer *t) {
+    const uint32_t options = c->private_config.options;
+    if (c->private_state != ROBUROC4_STATE_READY) {
+        return ROBUROC4_ERR_NOT_READY;
+    }
+    if (!c->private_drive.known) {
+        return ROBUROC4_ERR_NO_DIFFERENTIAL;
+    }
+    if (!roburoc4_drive_limits_valid(&c->private_values.limits)) {
+        return ROBUROC4_ERR_LIMITS;
+    }
+    if (!fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, now_us, t)) {
+        return not_fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, ROBUROC4_ERR_STALE_DIFFERENTIAL);
+    }
+    if ((options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) == 0 || may_have_pad(c)) {
+        if (!fresh(c, ROBUROC4_SERVICE_IOCARD, now_us, t)) {
+            return not_fresh(c, ROBUROC4_SERVICE_IOCARD, ROBUROC4_ERR_STALE_IOCARD);
+        }
+        if (!c->private_conditions.override_known) {
+            return ROBUROC4_ERR_OVERRIDE_UNKNOWN;
+        }
+    }
+    if (c->private_conditions.overridden) {
+        return ROBUROC4_ERR_OVERRIDE;
+    }
+    if (c->private_drive.other_commander &&
+        (options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
+        return ROBUROC4_ERR_OTHER_COMMANDER;
+    }
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_conditions_refusal(const client *c, uint64_t now_us) {
+    timer unused = {0, UINT32_MAX};
+    const roburoc4_result why = refusal(c, now_us, &unused);
+    return why >= 0 && !c->private_drive.armed && c->private_conditions.moving ? ROBUROC4_ERR_MOVING
+                                                                               : why;
+}
+
+int32_t roburoc4_refusal_may_pass(roburoc4_result refusal) {
+    return refusal == ROBUROC4_ERR_NOT_READY || refusal == ROBUROC4_ERR_STALE_DIFFERENTIAL ||
+           refusal == ROBUROC4_ERR_STALE_IOCARD || refusal == ROBUROC4_ERR_OVERRIDE_UNKNOWN ||
+           refusal == ROBUROC4_ERR_MOVING;
+}
+
+void roburoc4_conditions_watch_arming(client *c) {
+    const bool armable =
+        !c->private_drive.armed && roburoc4_conditions_refusal(c, c->private_now_us) >= 0;
+    raise_event(c, armable && !c->private_conditions.armable ? ROBUROC4_EVENT_ARMABLE : 0);
+    c->private_conditions.armable = armable;
+}
+
+void roburoc4_conditions_tick(client *c) {
+    timer *t = &c->private_timer;
+    timer unarmed = *t; /* whether its statuses become stale is asked when it is to be armed */
+    if (c->private_requests.fixed_id) { /* an answer does not prove when its request arrived */
+        roburoc4_drive_heard(&c->private_drive, t->now_us);
+    }
+    roburoc4_drive_tick(&c->private_drive, &c->private_config,
+                        refusal(c, c->private_now_us, c->private_drive.armed ? t : &unarmed), t,
+                        &c->private_events);
+    roburoc4_conditions_watch_arming(c);
+}
