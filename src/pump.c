@@ -13,6 +13,9 @@
 #define STOP_MARGIN_US 500000u
 /* The pause while the socket itself fails, so that the thread does not spin. */
 #define BROKEN_PACE_US 100000u
+
+/* A move takes its next step after this time, or earlier with each status. */
+#define MOVE_STEP_US 20000u
 /* How often to check whether a thread has ended when its lock must not be taken. */
 #define EXIT_PACE_US 2000u
 
@@ -199,6 +202,33 @@ roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump, uint32_t timeout_us) {
     }
     roburoc4_pump_leave(pump);
     return result;
+}
+
+/* A stop that a handler requested comes first; what the step granted leaves at once. */
+static int32_t step(roburoc4_pump *pump, roburoc4_move *move) {
+    uint64_t now_us;
+    roburoc4_pump_flush(pump);
+    now_us = roburoc4_udp_now_us();
+    if (roburoc4_move_step(move, &pump->client, now_us) == ROBUROC4_MOVE_RUNNING) {
+        const roburoc4_result granted =
+            roburoc4_client_drive(&pump->client, move->linear_m_s, move->angular_rad_s, 0, now_us);
+        (void)granted; /* where it is refused, the next step ends the move and says why */
+    }
+    roburoc4_pump_flush(pump);
+    return move->result;
+}
+
+int32_t roburoc4_pump_move(roburoc4_pump *pump, roburoc4_move *move) {
+    int32_t result = ROBUROC4_ERR_CLOSED;
+    if (pump->threadless || !roburoc4_pump_enter(pump)) {
+        return result;
+    }
+    while (pump->phase == ROBUROC4_PUMP_RUNNING &&
+           (result = step(pump, move)) == ROBUROC4_MOVE_RUNNING) {
+        roburoc4_pump_wait(pump, roburoc4_udp_now_us() + MOVE_STEP_US);
+    }
+    roburoc4_pump_leave(pump);
+    return result == ROBUROC4_MOVE_RUNNING ? ROBUROC4_ERR_CLOSED : result;
 }
 
 void roburoc4_pump_request_stop(roburoc4_pump *pump) {

@@ -97,6 +97,39 @@ TEST_F(Pump, AMachineThatHangsSendsNoSpeedAfterwards) {
     EXPECT_EQ(robot_->first_zero_us(), awake_us + sys.delay_us);
 }
 
+TEST_F(Pump, DrivesAMoveToItsEnd) {
+    create_armed();
+    roburoc4_move move{};
+    ASSERT_EQ(roburoc4_move_by(&move, 0.5f, 0.0f, nullptr), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_move(pump_, &move), ROBUROC4_MOVE_REACHED);
+    EXPECT_NEAR(robot_->state().odometry_x_m, 0.5, 0.05);
+    EXPECT_EQ(roburoc4_pump_move(pump_, &move), ROBUROC4_MOVE_REACHED) << "it has ended";
+    EXPECT_EQ(on_client(pump_, roburoc4_client_drive, 0.1f, 0.0f, 0u), ROBUROC4_OK) << "armed";
+}
+
+TEST_F(Pump, ARequestedStopEndsItsMove) {
+    create_armed();
+    roburoc4_move move{};
+    ASSERT_EQ(roburoc4_move_by(&move, 5.0f, 0.0f, nullptr), ROBUROC4_OK);
+    const uint64_t stop_us = sys.now_us + 2 * kSecond;
+    at(stop_us, [&] { roburoc4_pump_request_stop(pump_); });
+    EXPECT_EQ(roburoc4_pump_move(pump_, &move), ROBUROC4_MOVE_CANCELLED);
+    EXPECT_LE(sys.now_us, stop_us + 100 * kMs);
+    EXPECT_GE(robot_->speeds(), 2u);
+    sleep_ms(500);
+    EXPECT_LE(robot_->first_zero_us(), stop_us + 10 * kMs + sys.delay_us);
+    EXPECT_EQ(on_client(pump_, roburoc4_client_drive, 0.1f, 0.0f, 0u), ROBUROC4_ERR_STOPPED);
+}
+
+TEST_F(Pump, AClosedOneDrivesNoMove) {
+    create_armed();
+    roburoc4_move move{};
+    ASSERT_EQ(roburoc4_move_by(&move, 0.5f, 0.0f, nullptr), ROBUROC4_OK);
+    ASSERT_EQ(roburoc4_pump_close(pump_), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_move(pump_, &move), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(robot_->speeds(), 0u);
+}
+
 TEST_F(Pump, FeedsALeaseWhileTheRobotIsQuiet) {
     for (int service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
         config_.period_ms[service] = 330; /* no status wakes the pump in time */
