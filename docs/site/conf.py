@@ -29,6 +29,7 @@ include_patterns = [
     "bench/RESULTS.md",
     "docs/*.md",
     "docs/reference/*.md",
+    "tests/*/README.md",
 ]
 html_theme = "furo"
 html_static_path = ["static"]

@@ -59,82 +59,6 @@ template <class Status, class Decode> Status decode(const Bytes &bytes, Decode d
 
 /* ------------------------------------------------------------------------------ properties --- */
 
-TEST(SimProperties, HaveTheManualsLengthsAndEchoTheRequestsId) {
-    SimRobot robot;
-    const std::vector<std::size_t> lengths = {33, 5, 21, 65, 14, 33, 57};
-    for (std::uint8_t service = 0; service < ROBUROC4_SERVICE_COUNT; service++) {
-        const auto id = static_cast<std::uint8_t>(0xFE - service);
-        const Bytes answer = robot.ask(get(service, id));
-        ASSERT_EQ(lengths[service], answer.size()) << "service " << int(service);
-        EXPECT_EQ((Bytes{id, 0x00, service, 0x00, 0x00}),
-                  Bytes(answer.begin(), answer.begin() + 5));
-    }
-    EXPECT_EQ(7U, robot.state().requests);
-    EXPECT_EQ(0U, robot.state().errors);
-}
-
-TEST(SimProperties, DirectoryListsItselfFirstAndAllServicesById) {
-    SimRobot robot;
-    const Bytes answer = robot.ask(get(0));
-    roburoc4_directory directory{};
-    ASSERT_EQ(0, roburoc4_decode_directory(answer.data(), answer.size(), &directory));
-    ASSERT_EQ(7U, directory.count);
-    for (std::uint32_t index = 0; index < directory.count; index++) {
-        roburoc4_directory_entry entry{};
-        ASSERT_EQ(0, roburoc4_directory_at(&directory, index, &entry));
-        EXPECT_EQ(index, entry.id);
-        EXPECT_EQ(roburoc4_name(ROBUROC4_NAME_SERVICE, index),
-                  directory_text(robot, std::uint8_t(index)));
-    }
-}
-
-TEST(SimProperties, IoCardNamesItsChannelsAsTheManual) {
-    SimRobot robot;
-    const Bytes answer = robot.ask(get(2));
-    const auto card = decode<roburoc4_iocard_properties>(answer, roburoc4_decode_iocard_properties);
-    EXPECT_EQ(9, card.analog_inputs);
-    EXPECT_EQ(0, card.analog_outputs);
-    EXPECT_EQ(22, card.digital_inputs);
-    EXPECT_EQ(8, card.digital_outputs);
-    EXPECT_EQ(roburoc4_client_channel_name(nullptr, ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_PAD_A),
-              channel_text(robot, ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_PAD_A));
-    EXPECT_EQ(
-        roburoc4_client_channel_name(nullptr, ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_AI_BATTERY_V),
-        channel_text(robot, ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_AI_BATTERY_V));
-    EXPECT_EQ("", channel_text(robot, ROBUROC4_IO_DIGITAL_INPUT, 5));
-}
-
-TEST(SimProperties, DifferentialReportsTargetsSpeedsAndLimits) {
-    SimRobot robot;
-    robot.drive(1.0F, -0.5F, 40);
-    const Bytes answer = robot.ask(get(6));
-    const auto drive =
-        decode<roburoc4_differential_properties>(answer, roburoc4_decode_differential_properties);
-    EXPECT_FLOAT_EQ(1.0F, drive.target_linear_m_s);
-    EXPECT_FLOAT_EQ(-0.5F, drive.target_angular_rad_s);
-    EXPECT_FLOAT_EQ(float(robot.state().wheel_linear_m_s), drive.current_linear_m_s);
-    EXPECT_FLOAT_EQ(float(robot.state().wheel_angular_rad_s), drive.current_angular_rad_s);
-    EXPECT_FLOAT_EQ(2.6F, drive.max_linear_m_s);
-    EXPECT_FLOAT_EQ(-2.6F, drive.min_linear_m_s);
-    EXPECT_FLOAT_EQ(6.5F, drive.max_angular_rad_s);
-    EXPECT_FLOAT_EQ(-6.5F, drive.min_angular_rad_s);
-    EXPECT_FLOAT_EQ(0.68F, drive.width_m);
-}
-
-TEST(SimProperties, LocalizationIsThePoseAtPowerOn) {
-    roburoc4_sim_config config = default_sim_config();
-    config.start_x_m = 3.0;
-    config.start_theta_rad = 1.0;
-    SimRobot robot(config);
-    robot.drive(1.0F, 0.0F, 100);
-    const Bytes answer = robot.ask(get(5));
-    const auto place =
-        decode<roburoc4_localization_properties>(answer, roburoc4_decode_localization_properties);
-    EXPECT_DOUBLE_EQ(3.0, place.x_m);
-    EXPECT_DOUBLE_EQ(1.0, place.theta_rad);
-    EXPECT_NE(0U, place.flags & ROBUROC4_LOCALIZATION_PROPRIOCEPTIVE);
-}
-
 /* ---------------------------------------------------------------------------------- errors --- */
 
 struct Refused {
@@ -223,33 +147,6 @@ TEST(SimErrors, InvalidRequestsGetNoAnswer) {
 }
 
 /* --------------------------------------------------------------------------- subscriptions --- */
-
-TEST(SimSubscriptions, SendEachStatusAtItsPeriod) {
-    SimRobot robot;
-    robot.run(17);
-    EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_DIFFERENTIAL, 3));
-    EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_BATTERY, 10));
-    for (std::uint64_t cycle = 18; cycle <= 80; cycle++) {
-        robot.run(1);
-        std::size_t expected = 0;
-        const auto statuses = robot.take();
-        for (const auto service : {6, 4}) {
-            if ((cycle - 17) % (service == 6 ? 3 : 10) != 0)
-                continue;
-            expected++;
-            bool found = false;
-            for (const auto &status : statuses) {
-                roburoc4_status_header head{};
-                ASSERT_LE(0, roburoc4_decode_status_header(status.bytes.data(), status.bytes.size(),
-                                                           &head));
-                EXPECT_EQ(cycle, head.robot_cycles);
-                found = found || head.service == service;
-            }
-            EXPECT_TRUE(found) << "service " << service << " in cycle " << cycle;
-        }
-        EXPECT_EQ(expected, statuses.size()) << "cycle " << cycle;
-    }
-}
 
 TEST(SimSubscriptions, BelongToThePeerThatAsked) {
     SimRobot robot;
@@ -389,16 +286,6 @@ TEST(SimCommands, OfSpeedAreCountedAndTheLastOneIsKept) {
     EXPECT_DOUBLE_EQ(-1.0, state.last_angular_rad_s);
     EXPECT_EQ(SimRobot::origin_us + 3 * ROBUROC4_CYCLE_US, state.last_command_us);
     EXPECT_EQ(0U, state.refused_speed_commands);
-}
-
-TEST(SimCommands, ReplaceSetsTheOdometryAndNothingElse) {
-    SimRobot robot;
-    EXPECT_EQ(from_hex("24 02 05 00 00"), robot.ask(replace_localization(4.0, -2.5, 1.25)));
-    const auto state = robot.state();
-    EXPECT_DOUBLE_EQ(4.0, state.odometry_x_m);
-    EXPECT_DOUBLE_EQ(-2.5, state.odometry_y_m);
-    EXPECT_DOUBLE_EQ(1.25, state.odometry_theta_rad);
-    EXPECT_DOUBLE_EQ(0.0, state.true_x_m);
 }
 
 /* ----------------------------------------------------------------------------------- inputs --- */
