@@ -3,6 +3,7 @@
 
 import asyncio
 import math
+import pickle
 from collections.abc import Iterator
 
 import pytest
@@ -70,7 +71,9 @@ def test_degrees_and_speeds_beyond_the_ceilings_are_refused(sim: Simulator) -> N
             with pytest.raises(roburoc4.ArgumentError, match="ceilings"):
                 move()
         for speed in (0.4, 0.9):
-            with pytest.raises(roburoc4.ArgumentError, match=rf"^speed: {speed} m/s and .* rad/s"):
+            with pytest.raises(
+                roburoc4.ArgumentError, match=rf"^speed: {speed} m/s, at which .* rad/s"
+            ):
                 robot.arc(0.5, 2.0, speed=speed)
         assert sim.state.nonzero_speed_commands == 0
         robot.turn(4.5 * math.pi, speed=1.5, turns=True)
@@ -250,3 +253,23 @@ def test_asyncio_moves_and_cancels() -> None:
     with Simulator(port=0, slip=0.0) as sim:
         asyncio.run(main(sim))
         assert sim.state.last_linear_m_s == 0
+
+
+def test_a_speed_that_an_arc_does_not_allow_is_named_as_it_was_given(sim: Simulator) -> None:
+    with sim.connect() as robot:
+        robot.arm()
+        with pytest.raises(roburoc4.ArgumentError, match=r"^speed: 2 m/s, at which this arc turns"):
+            robot.arc(0.1, 6.28, speed=2)
+
+
+def test_an_obstacle_is_named_with_its_side_and_distance(sim: Simulator) -> None:
+    sim.add_box(1.5, 0.0, 0.2, 2.0)
+    sim.add_box(-1.5, 0.0, 0.2, 2.0)
+    with sim.connect() as robot:
+        for distance_m, side in ((2.0, "ahead"), (-3.0, "behind")):
+            robot.arm()
+            with pytest.raises(MoveError, match=rf"too near, 0\.\d\d m {side}: clear") as caught:
+                robot.move(distance_m)
+            copy = pickle.loads(pickle.dumps(caught.value))
+            assert str(copy) == str(caught.value)
+            robot.rest()

@@ -60,13 +60,15 @@ class MoveError(RobotError):
     stopped.
     """
 
-    def __init__(self, result: MoveResult, code: int = Result.STATE) -> None:
-        text = result.outcome.text
+    def __init__(self, result: MoveResult, code: int = Result.STATE, detail: str = "") -> None:
+        what, colon, remedy = result.outcome.text.partition(":")
+        text = what + detail + colon + remedy
         if result.outcome in (MoveOutcome.LOST, MoveOutcome.CANCELLED) and code != Result.STATE:
             cause = Result(code).text.partition(":")[0]
             text = f"{cause}: {text}"
         super().__init__(text, code)
         self.result = result
+        self._detail = detail
 
     @property
     def outcome(self) -> MoveOutcome:
@@ -74,8 +76,8 @@ class MoveError(RobotError):
         return self.result.outcome
 
     # Made from a result; the other errors are made from a text.
-    def __reduce__(self) -> tuple[type["MoveError"], tuple[MoveResult, Result]]:  # type: ignore[override]
-        return type(self), (self.result, self.code)
+    def __reduce__(self) -> tuple[type["MoveError"], tuple[MoveResult, Result, str]]:  # type: ignore[override]
+        return type(self), (self.result, self.code, self._detail)
 
 
 class MoveOptions(NamedTuple):
@@ -134,16 +136,18 @@ class Move:
     def __init__(self, connection: Connection, options: MoveOptions) -> None:
         self._connection = connection
         self._options = options.native()
-        self._asked = "speed: " + " and ".join(
-            f"{speed:g} {unit}"
-            for speed, unit in ((options.linear_m_s, "m/s"), (options.angular_rad_s, "rad/s"))
-            if speed is not None
-        )
+        linear_m_s, angular_rad_s, *_ = options
+        self._asked = f"speed: {linear_m_s} m/s" if linear_m_s else f"speed: {angular_rad_s} rad/s"
+        if linear_m_s and angular_rad_s:
+            rate = f"{angular_rad_s:.3g}" if angular_rad_s < MAX_RAD_S else f"over {MAX_RAD_S:g}"
+            self._asked += f", at which this arc turns with {rate} rad/s"
+        self._ahead = True
         self._move = _native.new_move()
 
     def by(self, distance_m: float, angle_rad: float) -> "Move":
         """Drive straight, turn in place or along an arc."""
         finite(distance_m=distance_m, angle_rad=angle_rad)
+        self._ahead = distance_m >= 0.0
         self._refuse_disarmed()
         try:
             _native.roburoc4_move_by(self._move, distance_m, angle_rad, self._options)
@@ -172,6 +176,7 @@ class Move:
         """Drive at these speeds for a time, with ramps inside of it."""
         check_speeds(linear_m_s, angular_rad_s)
         self._asked = f"linear_m_s, angular_rad_s: {linear_m_s:g} and {angular_rad_s:g}"
+        self._ahead = linear_m_s >= 0.0
         if not is_within(0.0, seconds, _LONGEST_S):
             raise unusable("seconds", seconds, f"0 to {_LONGEST_S:g} s")
         self._refuse_disarmed()
@@ -226,5 +231,17 @@ class Move:
         if cause == Result.ARGUMENT:
             raise ArgumentError("x_m, y_m: the goal is more than 10 km away", Result.ARGUMENT)
         if result.outcome is not MoveOutcome.REACHED:
-            raise MoveError(result, cause or Result.STATE)
+            detail = self._obstacle() if result.outcome is MoveOutcome.OBSTACLE else ""
+            raise MoveError(result, cause or Result.STATE, detail)
         return result
+
+    def _obstacle(self) -> str:
+        """Say where the obstacle is, and how far from the telemeter if that still sees it."""
+        where = "ahead" if self._ahead else "behind"
+        try:
+            status = _native.roburoc4_sample_latest(self._connection.handle, Service.TELEMETER)
+        except NotKnownError:
+            return f", {where}"
+        front_m, rear_m = (*status.distances_m, math.nan, math.nan)[:2]
+        distance_m = front_m if self._ahead else rear_m
+        return f", {distance_m:.2f} m {where}" if math.isfinite(distance_m) else f", {where}"

@@ -12,6 +12,9 @@ _INSTALLED_BY = {
     "rich": "./tools",
     "shtab": "./tools",
     "telnetlib3": "./tools",
+    "starlette": '"./tools[dashboard]"',
+    "uvicorn": '"./tools[dashboard]"',
+    "websockets": '"./tools[dashboard]"',
     "mcap": '"./tools[record]"',
     "cyclonedds": "./tools ./ros2",
     "yaml": "./tools ./ros2",
@@ -34,10 +37,12 @@ def main() -> None:
         packages = _INSTALLED_BY.get(name)
         if packages is None:
             raise
-        print(
-            f"roburoc4: {name} is not installed: pip install ./bindings/python {packages} in a "
-            "checkout (see docs/python.md)",
-            file=sys.stderr,
-        )
+        remedy = f"pip install ./bindings/python {packages} in a checkout (see docs/python.md)"
+        if "dist-packages" in __file__:  # a distribution's package
+            remedy = (
+                f"apt install python3-{name} where that is new enough, else pip install {name} in "
+                "a virtual environment with --system-site-packages (see docs/packages.md)"
+            )
+        print(f"roburoc4: {name} is not installed: {remedy}", file=sys.stderr)
         code = 2
     sys.exit(code)

@@ -181,15 +181,7 @@ def _add_serving(parser: argparse.ArgumentParser) -> None:
 
 def run(options: DashboardOptions) -> int:
     """Serve until Ctrl-C."""
-    try:
-        from ..dashboard import server
-    except ModuleNotFoundError as missing:
-        if (missing.name or "").partition(".")[0] not in ("starlette", "uvicorn", "websockets"):
-            raise
-        raise usage(
-            f"{missing.name} is not installed: pip install ./bindings/python "
-            '"./tools[dashboard]" in a checkout'
-        ) from None
+    from ..dashboard import server
     from ..dashboard.guard import Rules
 
     place = _place(options, server.Place)

@@ -137,5 +137,6 @@ def _field(name: str, value: float) -> tuple[str, str]:
             text = f"{value:.6g} {unit}"
             if unit == "rad" and math.isfinite(value):
                 text += f" ({math.degrees(value):.1f}°)"
-            return name.removesuffix(suffix).replace("_", " "), text
+            name = name.removesuffix(suffix).replace("_", " ")
+            return name + (" acceleration" if unit.endswith("s²") else ""), text
     return name.replace("_", " "), f"{value}"

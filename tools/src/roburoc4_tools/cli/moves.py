@@ -257,7 +257,8 @@ def _pose(status: LocalizationStatus | None) -> dict[str, float] | None:
 
 def _summary(report: dict[str, Any]) -> str:
     pose = report["pose"]
-    come = f"done: {report['distance_m']:.2f} m, turned {math.degrees(report['angle_rad']):.1f}°"
+    degrees = round(math.degrees(report["angle_rad"]), 1) + 0.0  # no -0.0
+    come = f"done: {report['distance_m']:.2f} m, turned {degrees:.1f}°"
     if pose is None:
         return f"{come}, by the speeds that the robot reported"
     return (

@@ -20,11 +20,14 @@ def progress(title: str, total: float | None, unit: str = "s") -> Iterator[Show]
 
     from .output import console
 
+    amount = "Ctrl-C ends it"
+    if total is not None:
+        amount = f"{{task.completed:.3g}} of {total:.3g} {unit} in"
     bar = Progress(
         TextColumn("{task.description}"),
         BarColumn(),
+        TextColumn(amount),
         TimeElapsedColumn(),
-        TextColumn(f"of {total:.3g} {unit}" if total is not None else "Ctrl-C ends it"),
         console=console(stderr=True),
         transient=True,
     )

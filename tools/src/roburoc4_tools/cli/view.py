@@ -172,10 +172,17 @@ def _inputs(seen: Snapshot, status: IoCardStatus) -> Text:
     return Text("; ".join(analog) + "\n" + "on: " + (", ".join(pressed) or "none"))
 
 
+def _named(status: TelemeterStatus) -> Iterator[tuple[str, float]]:
+    for index, distance_m in enumerate(status.distances_m):
+        yield (
+            TELEMETER_NAMES[index] if index < len(TELEMETER_NAMES) else f"number {index}",
+            distance_m,
+        )
+
+
 def _distances(seen: Snapshot, status: TelemeterStatus) -> Text:
     lines = []
-    for index, distance_m in enumerate(status.distances_m):
-        name = TELEMETER_NAMES[index] if index < len(TELEMETER_NAMES) else f"number {index}"
+    for index, (name, distance_m) in enumerate(_named(status)):
         reach_m = seen.reaches_m[index] if index < len(seen.reaches_m) else math.nan
         share = distance_m / reach_m if reach_m > 0.0 else 0.0
         lines.append(Text.assemble(bar(share, "cyan"), f" {distance_m:5.2f} m  {name}"))
@@ -201,7 +208,7 @@ def line(seen: Snapshot) -> str:
         pose = seen.localization
         parts.append(f"x {pose.x_m:.2f} m y {pose.y_m:.2f} m theta {pose.theta_rad:.2f} rad")
     if seen.telemeter is not None:
-        parts.append(" ".join(f"{distance_m:.2f} m" for distance_m in seen.telemeter.distances_m))
+        parts.append(" ".join(f"{name} {metres:.2f} m" for name, metres in _named(seen.telemeter)))
     if seen.battery is not None:
         parts.append(f"battery {seen.battery.remaining_percent} %")
     lamps = (
@@ -210,6 +217,6 @@ def line(seen: Snapshot) -> str:
         ("rear bumper", seen.facts.rear_bumper),
     )
     shown = [name if lit else f"{name} unknown" for name, lit in lamps if lit is not False]
-    parts.append(", ".join(shown) or "no lamp")
+    parts.append(", ".join(shown) or "no warning")
     parts.append(f"loss {seen.loss:.1%}")
     return "  ".join(parts)
