@@ -375,6 +375,8 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
         }
         if (is_text(oldest) || size < 4) { /* its copies must not refuse a text */
             roburoc4_requests_be_quiet(r, oldest, now_us);
+            note_slowest(r, oldest, now_us);
+            be_quiet_after_text(r, now_us);
         }
     }
     if (oldest == NULL || datagram[0] == ROBUROC4_HEADER_ERROR) {
@@ -391,6 +393,9 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
 
 void roburoc4_requests_close(requests *r, slot *s, uint32_t now_us) {
     s->open = 0;
+    if (r->single_texts && is_text(s)) {
+        note_slowest(r, s, now_us);
+    }
     if (!r->fixed_id) {
         return;
     }

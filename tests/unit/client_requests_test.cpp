@@ -349,6 +349,44 @@ TEST(ErrorTelegram, RefusesNoTextThatTheRobotGives) {
     }
 }
 
+/** All texts take seconds; a copy of the refusal of one comes when the next was just requested. */
+TEST(ErrorTelegram, RefusesNoTextFasterThanTheRobotGivesTexts) {
+    ScriptedRobot robot;
+    robot.error_header = true;
+    const Bytes refusal = plain_answer(0, ROBUROC4_ACTION_QUERY, 2, 2);
+    std::map<std::uint64_t, Bytes> late;
+    std::vector<std::uint32_t> asked;
+    robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &) {
+        if (r.action != ROBUROC4_ACTION_QUERY || r.service == 0)
+            return false;
+        asked.push_back(r.index);
+        return true; /* the test answers */
+    };
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    bench.receive(refusal); /* from now on, one text is requested at a time */
+    const auto wait_for_text = [&] {
+        asked.clear();
+        ASSERT_TRUE(bench.run_until([&] { return !asked.empty(); }));
+    };
+    ASSERT_NO_FATAL_FAILURE(wait_for_text());
+    const std::uint32_t refused = asked.back();
+    bench.run(2 * second);
+    bench.receive(refusal);
+    ASSERT_NO_FATAL_FAILURE(wait_for_text());
+    const std::uint32_t next = asked.back();
+    ASSERT_NE(refused, next);
+    bench.run(20 * ms);
+    bench.receive(refusal); /* the last copy */
+    bench.run(2 * second);
+    bench.receive(encoded([](std::uint8_t *b, std::size_t n) {
+        return roburoc4_encode_text(b, n, 77, 2, "Game pad A", 10);
+    }));
+    ASSERT_NO_FATAL_FAILURE(wait_for_text());
+    EXPECT_EQ(next, asked.back()) << "it is requested again";
+}
+
 /** Copies of its refusal come while a text is requested. */
 TEST(ErrorTelegram, OfAnotherRequestRefusesNoText) {
     for (std::int32_t pad = 3; pad < 22; pad++) {

@@ -321,6 +321,7 @@ void Oracle::robot_changed(const RobotTruth &robot) {
 
 void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool drained,
                       std::uint64_t next_deadline) {
+    observe(now);
     const Report before = report_;
     report_ = report;
     if (truth.well != well_) {
@@ -401,13 +402,13 @@ void Oracle::judge_disarming(Moment now, const Report &report) {
 }
 
 /* The first pairs of an answer and a status prove little. */
-bool Oracle::ages_are_new(Moment now, int service) const {
-    return now.true_us - ages_since_us_[service] < 3000000;
+bool Oracle::ages_are_new(std::uint64_t true_us, int service) const {
+    return true_us < ages_since_us_[service] + 3000000;
 }
 
 /* By so much a status may be older then (SAFETY.md). */
 std::uint64_t Oracle::first_ages_us(Moment now) const {
-    return ages_are_new(now, differential) ? 100000 : 0;
+    return ages_are_new(now.true_us, differential) ? 100000 : 0;
 }
 
 void Oracle::judge_ages(Moment now, const Report &report) {
@@ -415,7 +416,8 @@ void Oracle::judge_ages(Moment now, const Report &report) {
         const Newest &newest = newest_[service];
         if (report.state != ROBUROC4_STATE_READY || report.age_us[service] == UINT32_MAX)
             ages_since_us_[service] = now.true_us;
-        if (!newest.known || !ages_known_ || !ages_judged_ || ages_are_new(now, service))
+        if (!newest.known || !ages_known_ || !ages_judged_ ||
+            ages_are_new(newest.made_us + newest.late_us, service)) /* when it was received */
             continue;
         const std::uint64_t age = now.true_us - newest.made_us;
         if (age > report.age_us[service] + tolerance_us(now))
