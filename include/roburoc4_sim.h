@@ -334,7 +334,7 @@ ROBUROC4_SIM_API roburoc4_result roburoc4_sim_place(roburoc4_sim *sim, double x_
 
 /* --------------------------------------------------------------------------- observation --- */
 
-/** Everything about the robot. */
+/** Everything about the robot: roburoc4_sim_get_state(sim, ROBUROC4_SIZED(&state)). */
 typedef struct roburoc4_sim_state {
     uint32_t size;          /* set by ROBUROC4_SIZED() */
     uint32_t battery_state; /* ROBUROC4_BATTERY_* */

@@ -11,7 +11,9 @@ import python_reference
 from roburoc4_tools.cli.app import parser
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-PAGES = [DOCS / name for name in ("cli.md", "dashboard.md", "ros2.md", "recording.md")]
+PAGES = [
+    DOCS / name for name in ("cli.md", "dashboard.md", "ros2.md", "recording.md", "real-robot.md")
+]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
