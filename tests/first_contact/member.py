@@ -4,6 +4,7 @@
 import ctypes
 import heapq
 import random
+import struct
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,6 +14,7 @@ _POWER, _MOTORS, _ESTOP, _FRONT, _REAR, _PAD = 0, 1, 3, 7, 8, 10
 _PAD_A, _RIGHT_TRIGGER = 108, 208
 _CONFIG_BYTES = 1024
 _FILE_BYTES, _TEXT_BYTES = 528, 6144
+_STATE_BYTES, _WHEELS_AT = 104, 88
 
 
 class Setting(ctypes.Structure):
@@ -90,6 +92,7 @@ class VirtualWorld(World):
         self._buffer = ctypes.create_string_buffer(512)
         self.asked: list[str] = []
         self.holds = True
+        self.fastest = 0.0
         self.let_go_at_s = self.held_again_s = float("inf")
         self._c.roburoc4_sim_advance(self._sim, ctypes.c_uint64(self._us))
 
@@ -117,7 +120,15 @@ class VirtualWorld(World):
                 heapq.heappop(self._events)[2]()
             self._c.roburoc4_sim_advance(self._sim, ctypes.c_uint64(self._us))
             self._take(heard)
+        self._watch()
         return heard
+
+    def _watch(self) -> None:
+        """Read the wheels' true speeds, behind the robot's back."""
+        state = ctypes.create_string_buffer(struct.pack("<I", _STATE_BYTES), _STATE_BYTES)
+        assert self._c.roburoc4_sim_get_state(self._sim, state) == 0
+        speeds = struct.unpack_from("<2d", state, _WHEELS_AT)
+        self.fastest = max(self.fastest, *map(abs, speeds))
 
     def _take(self, heard: list[Datagram]) -> None:
         peer = ctypes.c_uint64()

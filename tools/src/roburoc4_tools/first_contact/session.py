@@ -17,6 +17,7 @@ MAX_M_S, MAX_RAD_S = 0.6, 1.2
 """No command of these steps is faster, but for one that is sent while there is no motor power."""
 _PATIENCE_S = 1.5
 _PORT = 0
+CLOCK_PORT = 9
 
 
 class ReleasedError(Exception):
@@ -48,6 +49,8 @@ class Session:
         self._last_id = 1
         self._since = 0
         self.commanded_s = 0.0
+        self.clock: list[tuple[float, int]] = []
+        """When statuses with which stamps arrived at a port of their own."""
         self.moving = False
         """Whether this step moves the robot: then the key is held after each question."""
         self.usable: list[str] = []
@@ -96,6 +99,8 @@ class Session:
                 status = wire.status_of(*datagram)
                 if status is not None:
                     self.statuses.append(status)
+                    if status.port == CLOCK_PORT:
+                        self.clock.append((status.at_s, status.cycles))
                 continue
             answer = wire.answer_of(*datagram[:3])
             if not self._is_sample(answer):
@@ -205,7 +210,7 @@ class Session:
     ) -> None:
         """Ask for the speeds in each cycle, and repeat a command if there is one."""
         end_s = self.world.now_s + seconds - CYCLE_S / 2
-        due_s = self.world.now_s
+        due_s = tick_s = self.world.now_s
         while self.world.now_s < end_s and not until():
             if command is not None and self.world.now_s >= due_s - CYCLE_S / 2:
                 self.command(*command)
@@ -215,7 +220,18 @@ class Session:
             number = self.next_id()
             self._asked.append((number, self.world.now_s))
             self.send(wire.request(number, wire.GET, self.ids["differential"]))
-            self.pump(CYCLE_S)
+            tick_s += CYCLE_S
+            self.pump(max(tick_s - self.world.now_s, 0.0))
+            if command is not None and any(command):
+                self._refuse_running_away()
+
+    def _refuse_running_away(self) -> None:
+        last = self.samples[-1].speed if self.samples else (0.0, 0.0)
+        if abs(last[0]) > 2 * MAX_M_S or abs(last[1]) > 2 * MAX_RAD_S:
+            self.stop()
+            raise UnsafeError(
+                "runs_away", f"The wheels turn at {last[0]:.1f} m/s, {last[1]:.1f} rad/s unasked."
+            )
 
     def sampled(self, since_s: float, command: tuple[float, float] | None) -> list[wire.Speeds]:
         """Return the speeds since then, once the answers of all have arrived."""

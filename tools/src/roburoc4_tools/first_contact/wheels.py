@@ -8,7 +8,7 @@ from itertools import pairwise
 from . import wire
 from .identify import restart
 from .response import Response, fit, simulate
-from .session import CYCLE_S, MAX_M_S, MAX_RAD_S, Session, UnsafeError
+from .session import CLOCK_PORT, CYCLE_S, MAX_M_S, MAX_RAD_S, Session, UnsafeError
 
 LATEST_S = 0.45
 LONGEST_WATCHDOG_S = 2.0
@@ -108,7 +108,7 @@ def responses(s: Session) -> None:
             _settle(s, command)
             samples = s.sampled(since_s, command)
             s.stop()
-            found = fit(command[axis], [x.speed[axis] for x in samples], slopes)
+            found = fit(command[axis], _each_cycle(samples, since_s, axis), slopes)
             if found is not None and (best is None or found.misfit < best.misfit):
                 best = found
             if axis == 0 and share == 1.0:
@@ -123,6 +123,19 @@ def responses(s: Session) -> None:
     s.learn("dead_time_cycles", surest.dead_cycles)
 
 
+def _each_cycle(samples: list[wire.Speeds], since_s: float, axis: int) -> list[float]:
+    """Return the speeds at each cycle since then: the questions were not sent exactly so."""
+    speeds, at = [], 0
+    for k in range(round((samples[-1].asked_s - since_s) / CYCLE_S)):
+        when_s = since_s + k * CYCLE_S
+        while at + 2 < len(samples) and samples[at + 1].asked_s <= when_s:
+            at += 1
+        a, b = samples[at], samples[at + 1]
+        share = min(max((when_s - a.asked_s) / (b.asked_s - a.asked_s), 0.0), 1.0)
+        speeds.append(a.speed[axis] + share * (b.speed[axis] - a.speed[axis]))
+    return speeds
+
+
 def _keep_targets(s: Session, speed: float, samples: list[wire.Speeds]) -> None:
     shown = next((k for k, x in enumerate(samples) if abs(x.target[0] - speed) < 1e-3), None)
     if shown is not None:
@@ -133,6 +146,8 @@ def reports(s: Session) -> None:
     """Find out how late, how noisy and how often the reported speeds are measured."""
     s.begin()
     s.stop()
+    s.clock.clear()
+    s.subscribe("iocard", 50, CLOCK_PORT)
     s.subscribe("differential", 1)
     speed = _speed(s, 0)
     s.pump(1.0)
@@ -273,10 +288,10 @@ def pad(s: Session) -> None:
 def _lead(s: Session, samples: list[wire.Speeds], target: float, zero_s: float) -> float:
     """Return how much earlier than a person must act what we send, so that both meet."""
     trip_s = s.known["queue_answer_ms"] / 1000
-    dropped = next(
-        (x.asked_s for x in samples if abs(x.target[0] - target) > 1e-3), zero_s - trip_s / 2
-    )
-    return min(max(zero_s - dropped, 0.0), trip_s)
+    dropped = [x.asked_s for x in samples if abs(x.target[0] - target) > 1e-3]
+    if dropped and dropped[0] < zero_s + 0.1:  # later it is the watchdog
+        return min(max(zero_s - dropped[0], 0.0), trip_s)
+    return trip_s if s.known["robot_watchdog_ms"] / 1000 > trip_s + 0.4 else trip_s / 2
 
 
 def _comes_back(s: Session, target: float, shift_s: float, lead_s: float) -> bool:
@@ -335,9 +350,25 @@ def motors(s: Session) -> None:
         raise UnsafeError("power_moves", "The wheels turned when motor power came back.")
 
 
+def _keep_clock(s: Session) -> None:
+    """Compare the robot's clock with ours, by the quickest statuses of begin and end."""
+    if len(s.clock) < 60:
+        return
+    first = s.clock[0][1]  # robots count further than floats do
+    ends = [
+        min(part, key=lambda x: x[0] - CYCLE_S * (x[1] - first))
+        for part in (s.clock[:20], s.clock[-20:])
+    ]
+    passed_s = ends[1][0] - ends[0][0]
+    counted_s = CYCLE_S * (ends[1][1] - ends[0][1])
+    s.learn("clock_ppm", round(min(max(1e6 * (counted_s / passed_s - 1), -1000), 1000)))
+    s.unsubscribe("iocard", CLOCK_PORT)
+
+
 def power_on(s: Session) -> None:
     """Restart, and see whether the motors have power at once."""
     s.begin()
+    _keep_clock(s)
     restart(s)
     since_s = s.world.now_s
     s.run(2.0, (0.1, 0.0))
@@ -389,7 +420,7 @@ def _travel(s: Session, command: tuple[float, float]) -> tuple[list[float], list
     since_s = s.world.now_s
     s.run(3.0, command)
     _rest(s)
-    samples = s.sampled(since_s, None)
+    spans = list(pairwise(s.sampled(since_s, None)))
     s.pump(1.0)
     poses = [
         struct.unpack_from("<3d", x.payload)
@@ -400,7 +431,10 @@ def _travel(s: Session, command: tuple[float, float]) -> tuple[list[float], list
     for a, b in pairwise(poses):
         way += (b[0] - a[0]) * math.cos(a[2]) + (b[1] - a[1]) * math.sin(a[2])
         turn += math.remainder(b[2] - a[2], math.tau)
-    by_speeds = [sum(x.speed[axis] for x in samples) * CYCLE_S for axis in (0, 1)]
+    by_speeds = [
+        sum((b.asked_s - a.asked_s) * (a.speed[axis] + b.speed[axis]) / 2 for a, b in spans)
+        for axis in (0, 1)
+    ]
     return [way, turn], by_speeds
 
 
