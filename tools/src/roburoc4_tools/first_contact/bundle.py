@@ -7,6 +7,7 @@ from html import escape
 from pathlib import Path
 
 from .contact import STEPS, Contact
+from .wire import SERVICES
 
 _ROBOT, _CLIENT = bytes([192, 0, 2, 2]), bytes([192, 0, 2, 1])  # of RFC 5737: nobody's
 _ROBOT_PORT, _FIRST_PORT = 60000, 50000
@@ -33,48 +34,21 @@ def recording(log: list[tuple[float, int, bool, bytes]]) -> bytes:
     return b"".join(blocks)
 
 
+_SWITCHES = """hidden_services only_id_fixed answer_id_fixed error_header error_code surplus_bytes
+delete_refused replace_mode query_mode texts refused_inserts subscription_lists keep_subscriptions
+other_status_port tripped_target_shown pad_keeps_target ignored_commands_feed pad_target_hidden
+commands_need_motors over_limit_refused dead_time_cycles late_targets odometry_mirrored
+front_bumper_index"""
 USUAL: dict[str, float] = {
-    **dict.fromkeys(
-        (
-            "hidden_services",
-            "only_id_fixed",
-            "answer_id_fixed",
-            "error_header",
-            "error_code",
-            "surplus_bytes",
-            "delete_refused",
-            "replace_mode",
-            "query_mode",
-            "texts",
-            "refused_inserts",
-            "subscription_lists",
-            "keep_subscriptions",
-            "other_status_port",
-            "tripped_target_shown",
-            "pad_keeps_target",
-            "ignored_commands_feed",
-            "pad_target_hidden",
-            "commands_need_motors",
-            "over_limit_refused",
-            "dead_time_cycles",
-            "late_targets",
-            "odometry_mirrored",
-            "front_bumper_index",
-        ),
-        0,
-    ),
-    "iocard_id": 2,
-    "telemeter_id": 3,
-    "battery_id": 4,
-    "localization_id": 5,
-    "differential_id": 6,
+    **dict.fromkeys(_SWITCHES.split(), 0.0),
+    **{f"{name}_id": 2 + k for k, name in enumerate(SERVICES)},
     "analog_inputs": 9,
     "digital_inputs": 22,
     "digital_outputs": 8,
+    "telemeters": 2,
     "override_index": 8,
     "rear_bumper_index": 1,
     "battery_voltage_index": 2,
-    "telemeters": 2,
     "robot_watchdog_ms": 1000,
     "start_safe": 1,
     "min_period_cycles": 1,
