@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * abi.c - compiles only if the headers have everything that an earlier version released, as it was
- * (scripts/abi writes released.inc): each function with its type, each public field with its type and place, each constant
- * with its value, on machines of 32 and of 64 bits. docs/ABI.md says what may change, and what to
- * do if it must.
+ * (scripts/abi writes released.inc): each function with its type, each public field with its type
+ * and place, each constant with its value, on machines of 32 and of 64 bits. docs/ABI.md says what
+ * may change, and what to do if it must.
  */
 #include <stddef.h>
 
