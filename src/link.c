@@ -277,7 +277,8 @@ static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
 static bool dates_itself(const roburoc4_private_link *l, const service *s, uint64_t now_us) {
     const service *card = &l->services[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)];
     return s < &l->services[STATUS_INDEX(ROBUROC4_SERVICE_LOCALIZATION)] ||
-           (now_us - card->received_us >= SECOND && (uint32_t)now_us - l->card_inserted_us >= SECOND);
+           (now_us - card->received_us >= SECOND &&
+            (uint32_t)now_us - l->card_inserted_us >= SECOND);
 }
 
 /** Whether a status is from later than is possible: from a robot that restarted, or another one. */
