@@ -14,6 +14,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import typing
 import unittest
@@ -26,9 +27,10 @@ BOARDS = {
     "mps2-an500": ["-mcpu=cortex-m7", "-mfloat-abi=hard", "-mfpu=fpv5-sp-d16"],
 }
 COUNTER = 0x40028018  # of examples/board/mps2.h
-LIMIT_S = 60  # what takes so long does not happen
+LIMIT_S = 30  # what takes so long does not happen
 TRIES = 3
 WATCHDOG_S = 1.0
+STALL_S = 0.15
 BRAKING_M = 0.38  # from 0.5 m/s
 
 
@@ -160,6 +162,50 @@ def build(machine):
     subprocess.run(["sh", "build.sh", *flags], cwd=folder, check=True)
 
 
+class StallWatch(threading.Thread):
+    """How long this machine let nothing run: a client that hears nothing stops, as it should."""
+
+    def __init__(self):
+        super().__init__(daemon=True)
+        self.longest_s = 0.0
+
+    def run(self):
+        before = time.monotonic()
+        while True:
+            time.sleep(0.02)
+            now = time.monotonic()
+            self.longest_s = max(self.longest_s, now - before)
+            before = now
+
+
+@functools.cache
+def stall_watch():
+    watch = StallWatch()
+    watch.start()
+    return watch
+
+
+def again_where_starved(test):
+    """A test that failed begins again, but only where this machine is seen to have stalled."""
+
+    @functools.wraps(test)
+    def tries(self):
+        for left in reversed(range(TRIES)):
+            stall_watch().longest_s = 0.0
+            try:
+                test(self)
+            except AssertionError as error:
+                stall_s = stall_watch().longest_s
+                if left == 0 or stall_s < STALL_S:
+                    raise
+                print(f"begins again: this machine stalled for {stall_s:.2f} s; {error}")
+                self.doCleanups()
+            else:
+                return
+
+    return tries
+
+
 def is_at_rest(state):
     return state.speed_m_s == 0 and state.target_m_s == 0
 
@@ -189,6 +235,13 @@ class Drives:
 
         robot().wait("it drives", moves)
 
+    def drive_to(self, x_m):
+        def there(state):
+            assert state.target_m_s > 0, f"it stopped: {state}"
+            return state.x_m >= x_m
+
+        robot().wait(f"{x_m} m", there)
+
     def check_watchdog_stops(self, last):
         """Nothing is sent after the state `last`."""
         at_rest = robot().wait("it stops", is_at_rest)
@@ -202,13 +255,14 @@ class Drives:
 
         return robot().wait("the end of this time", checked)
 
+    @again_where_starved
     def test_it_drives_a_straight_metre(self):
         for _ in range(TRIES):  # where this machine is busy, the key is released late
             board = self.start()
             self.drive_off(board, "5")
-            robot().wait("0.4 m", lambda state: state.x_m >= 0.4)
+            self.drive_to(0.4)
             board.press("1")
-            robot().wait("0.94 m", lambda state: state.x_m >= 0.94)
+            self.drive_to(0.94)
             board.press("x")
             at_rest = robot().wait("it stops", is_at_rest)
             assert abs(at_rest.y_m) < 0.02, at_rest
@@ -218,12 +272,14 @@ class Drives:
             board.kill()
         self.fail(f"not a metre: {at_rest}")
 
+    @again_where_starved
     def test_the_robot_stops_within_its_watchdog_when_the_board_dies(self):
         board = self.start()
         self.drive_off(board, "5")
         board.kill()
         self.check_watchdog_stops(robot().state())
 
+    @again_where_starved
     def test_the_robot_stops_when_the_cable_is_cut_and_drives_again_only_when_told(self):
         board = self.start()
         self.drive_off(board, "5")
@@ -234,6 +290,7 @@ class Drives:
         self.keep_target(0, lambda state: state.cycles - stopped.cycles > 200)
         self.drive_off(board, "5")
 
+    @again_where_starved
     def test_it_drives_on_when_the_timer_wraps(self):
         for _ in range(TRIES):  # the timer wraps 5 s after the start, and this machine may be slow
             board = self.start()
