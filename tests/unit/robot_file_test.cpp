@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <fstream>
+#include <sstream>
 #include <string>
 
 namespace {
@@ -81,6 +83,20 @@ TEST(RobotFile, ReadsWhatAPersonWrites) {
               "\n[response]\nlinear_gain = 0.95\n"
               "\n[calibration]\nscale_linear = 0.97\n",
               text_of(file));
+}
+
+TEST(RobotFile, ThatOfThePageIsRead) {
+    std::ifstream page(ROBUROC4_SOURCE_DIR "/docs/first-contact.md");
+    std::stringstream whole;
+    whole << page.rdbuf();
+    const std::string text = whole.str(), opening = "```ini\n";
+    const std::size_t begin = text.find(opening);
+    ASSERT_NE(std::string::npos, begin);
+    const std::size_t from = begin + opening.size();
+    const roburoc4_robot_file file = file_of(text.substr(from, text.find("```", from) - from));
+    float value = 0;
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_robot_file_get(&file, "override_index", &value));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_robot_file_get(&file, "scale_angular", &value));
 }
 
 TEST(RobotFile, ABadLineIsNamedWithItsRemedy) {
