@@ -767,7 +767,8 @@ static bool read_setting(reading *reading, const ini_line *line) {
                       "no such setting; give address, lcm-url, record, fleet-stop, "
                       "enable-drive, enable-outputs, enable-relocalize, allow-sender, lease-ms, "
                       "max-age-ms, max-linear, "
-                      "max-angular, period-ms.SERVICE, channel.KEY or pose-channel, = and a value");
+                      "max-angular, robot-file, period-ms.SERVICE, channel.KEY or pose-channel, = "
+                      "and a value");
     }
     if (found->place == (for_one ? FOR_ALL : FOR_ONE)) {
         return refuse(reading, for_one ? "put it into [DEFAULT]: it applies to all robots"

@@ -32,6 +32,27 @@ check(isnan(sim.state.distances_m(1)), 'this member of the family has no telemet
 delete(sim);
 refused('family', @() roburoc4.Simulator('family', -1));
 
+file = [tempname() '.txt'];
+remove = onCleanup(@() delete(file));
+write(file, sprintf('[inputs]\noverride_index = 9\niocard_id = 12\n'));
+sim = roburoc4.Simulator('robot_file', file);
+robot = roburoc4.Robot(sim, 'robot_file', file);
+sim.set('pad_a', true);
+robot.sleep(1);
+check(robot.status.overridden == 1, 'the input of the robot file is [A]');
+delete(robot);
+delete(sim);
+write(file, sprintf('override_index = 9\nwatchdog = 12\n'));
+for action = {@() roburoc4.Robot('127.0.0.1:9', 'robot_file', file), ...
+        @() roburoc4.Simulator('robot_file', file)}
+    try
+        action{1}();
+        check(false, 'a bad robot file is taken');
+    catch problem
+        check(~isempty(strfind(problem.message, 'line 2: no such name')), '%s', problem.message);
+    end
+end
+
 sim = roburoc4.Simulator('as_manual', true);
 check(sim.get('motor_button') == 0, 'as the manual says, nobody has pressed the button yet');
 sim.set('motor_button', true);
@@ -39,6 +60,12 @@ check(sim.state.motors_enabled, 'the button');
 sim.set('localization_flags', 82);
 check(sim.get('localization_flags') == 82, 'localization');
 delete(sim);
+end
+
+function write(file, text)
+stream = fopen(file, 'w');
+fwrite(stream, text);
+fclose(stream);
 end
 
 function refused(option, action)

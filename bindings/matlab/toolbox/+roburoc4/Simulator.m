@@ -10,6 +10,7 @@ classdef Simulator < handle
 %   to skidding), start_x_m, start_y_m, start_theta_rad, watchdog_cycles (100), battery_percent,
 %   digital_inputs, and all other numbers of roburoc4_sim_config in roburoc4_sim.h. family draws a
 %   robot of the family that the manual allows (docs/PROTOCOL.md): the same one for the same number.
+%   robot_file is a file of roburoc4 first-contact: the simulator is that robot.
 %
 %   Simulator methods:
 %      connect        - Make a robot object for this simulator
