@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A robot file configures clients and simulators, and a bad one names line and remedy."""
 
-import re
 from pathlib import Path
 
 import pytest
@@ -51,14 +50,6 @@ def test_a_bad_file_names_line_and_remedy(file: Path, text: str, remedy: str) ->
         robot_file.load(file)
     with Simulator() as sim, pytest.raises(ArgumentError, match=f"robot_file: .*{remedy}"):
         sim.connect(robot_file=file)
-
-
-def test_the_file_of_the_page_is_read(file: Path) -> None:
-    page = (Path(__file__).parents[3] / "docs" / "first-contact.md").read_text(encoding="utf-8")
-    printed = re.search(r"^```ini\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
-    assert printed
-    file.write_text(printed[1])
-    assert robot_file.load(file)["scale_angular"] == 1.136
 
 
 def test_what_cannot_be_in_a_file_is_refused(tmp_path: Path) -> None:
