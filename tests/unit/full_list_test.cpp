@@ -34,6 +34,21 @@ TEST(FullList, ARobotThatAcceptsNoSubscriptionIsNotReadyAndAskedAgain) {
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }
 
+TEST(FullList, AnotherRobotIsNoticedAlthoughNoStatusShowsIt) {
+    ScriptedRobot robot;
+    refuse_inserts(robot, true);
+    Bench bench(robot);
+    bench.start();
+    bench.run(3 * second);
+    robot.services = usual_services();
+    for (ScriptedService &service : robot.services)
+        if (service.kind >= ROBUROC4_SERVICE_IOCARD)
+            service.id = static_cast<std::uint16_t>(service.id + 100);
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 5 * second));
+    bench.run(second);
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
 TEST(FullList, AProgramThatWantsNoSubscriptionBecomesReady) {
     ScriptedRobot robot;
     refuse_inserts(robot, true);
