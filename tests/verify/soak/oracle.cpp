@@ -159,9 +159,11 @@ void Oracle::end_stop(Moment now, Promise otherwise) {
                         " after it became due, and no status made after its zeros was received" +
                         (stop_.confirmed_old ? " (an older one shows zero)" : ""));
     }
-    if (stop_.confirmed)
+    if (stop_.confirmed) {
         unconfirmed_ = false;
-    else if (unconfirmed_)
+        confirmed_us_ = now.true_us;
+    }
+    if (unconfirmed_)
         reach(Reached::unconfirmed_stop);
     stop_.active = false;
     speed_out_ = false;

@@ -262,6 +262,7 @@ class Oracle {
     int others_ = 0;
     Axis v_, w_;
     bool unconfirmed_ = false; /* a speed left, and no stop was confirmed since */
+    std::uint64_t confirmed_us_ = 0;
     bool ended_under_pad_a_ = false;
     std::uint64_t watch_due_us_ = UINT64_MAX, release_due_us_ = UINT64_MAX, zeros_allowed_us_ = 0;
     std::uint64_t lapse_us_ = UINT64_MAX; /* by the client's clock */

@@ -149,7 +149,8 @@ void Oracle::watch_target(Moment now, const Datagram &datagram) {
     const bool interfered = datagram.origin.others_target || datagram.origin.pad_a || overridden_;
     if (lease_.alive && armed_ && !stop_.active && target_since_us_ != UINT64_MAX &&
         config_.drive_period_ms <= 100) {
-        if (near(target, target_sent_) || interfered)
+        /* of two changes in a row, the first proves that commands arrived, too */
+        if (near(target, target_sent_) || interfered || ours(target, now.true_us - uplink_us))
             target_seen_us_ = now.true_us;
         else if (now.true_us - target_seen_us_ > uplink_us &&
                  (config_.options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0)
@@ -163,8 +164,9 @@ void Oracle::watch_target(Moment now, const Datagram &datagram) {
     zeros_welcome_us_ = now.true_us + milliseconds(config_.drive_period_ms) + slack_us;
     stop_.again_us = std::max(stop_.again_us, now.true_us);
     const std::uint64_t watchdog = milliseconds(config_.robot_watchdog_ms);
-    const bool must = ours(target, unconfirmed_ ? 0 : now.true_us - watchdog) && !interfered &&
-                      datagram.origin.boot <= judged_boot_ &&
+    const std::uint64_t since = /* and what was sent since the last stop that was confirmed */
+        unconfirmed_ ? std::min(confirmed_us_, now.true_us - watchdog) : now.true_us - watchdog;
+    const bool must = ours(target, since) && !interfered && datagram.origin.boot <= judged_boot_ &&
                       now.true_us - disturbed_us_ > well_after_us;
     const std::uint64_t age = /* by the client's own bound, too: others judge that */
         std::max<std::uint64_t>(report_.age_us[differential],
