@@ -3,6 +3,7 @@
 
 import html.parser
 import json
+import math
 import os
 import random
 import re
@@ -40,6 +41,7 @@ def test_the_figures_are_those_that_were_sent(path: Path) -> None:
     assert figures["begun"] == "2023-11-14T22:13:20.000Z"
     assert figures["seconds"] == pytest.approx(20.2, abs=0.01)
     assert figures["path"]["driven_m"] == pytest.approx(0.5 * 19.95, rel=0.01)
+    assert figures["heading_deg"]["last"] == pytest.approx(math.degrees(0.5 * 19.95))  # 1.6 turns
     assert figures["speeds"]["current_linear_m_s"]["high"] == pytest.approx(0.49)
     assert figures["battery"]["percent"] == {"first": 90, "low": 71, "high": 90, "last": 71}
     assert figures["distances_m"][0] == {"first": 2.0, "low": 2.0, "high": 3.99, "last": 3.99}
@@ -94,7 +96,9 @@ def test_the_page_shows_everything_and_loads_nothing(path: Path) -> None:
     assert page.references == []
     assert not {"script", "link", "img", "iframe", "object"} & set(page.tags)
     assert not re.search(r"url\(|@import|https?:", text)
-    assert page.tags.count("svg") == 6  # path, speed, turn rate, charge, voltage, distances
+    assert (
+        page.tags.count("svg") == 7
+    )  # path, heading, speed, turn rate, charge, voltage, distances
     for words in ("9.97 m", "the robot is ready", "begins to drive", "Telemeters", "Charge"):
         assert any(words in one for one in page.texts), words
     assert len(text) < 200_000

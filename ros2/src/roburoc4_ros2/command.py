@@ -159,10 +159,11 @@ def run(options: Ros2Options) -> int:
     if options.list:
         _list(options, config)
         return ExitCode.FINE
-    return _serve(config)
+    return serve(config)
 
 
-def _serve(config: Config) -> int:
+def serve(config: Config) -> int:
+    """Publish until a signal."""
     from roburoc4 import ArgumentError, NetworkError
 
     from . import environment
@@ -193,14 +194,7 @@ def _serve(config: Config) -> int:
 
 def _config(options: Ros2Options) -> Config:
     from . import environment
-    from .config import (
-        Config,
-        FileSettings,
-        check_distinct,
-        checked,
-        read_file,
-        robot_config,
-    )
+    from .config import FileSettings, check_distinct, read_file, robot_config, whole
 
     found = read_file(options.config) if options.config else FileSettings({}, {}, {})
     program = {
@@ -219,14 +213,7 @@ def _config(options: Ros2Options) -> Config:
             raise usage(f"{options.config}: the robot {name} has no address: give it one")
         made.append(robot_config(name, merged))
     check_distinct(tuple(made))
-    return Config(
-        tuple(made),
-        program.get("domain", 0),
-        program.get("distro"),
-        checked("interface", program["interface"]) if "interface" in program else None,
-        program.get("peers", ()),
-        program.get("multicast", True),
-    )
+    return whole(tuple(made), program)
 
 
 def _given(text: Any, option: str, name: str) -> Any:

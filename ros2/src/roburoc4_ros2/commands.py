@@ -4,10 +4,11 @@
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from roburoc4.constants import Result, StopOutcome
+from roburoc4.errors import RobotError
 from roburoc4.gate import Counts, DriveCommand, Gate, Rejection, Verdict
 from roburoc4.robot import Robot
 from roburoc4_tools.ros.topics import Diagnosis, yes_or_no
@@ -24,6 +25,8 @@ _SLOW_IN_A_ROW = 3
 _FIRST_S = 0.05
 # A publisher may send a stamp again (nav2's velocity smoother does): this makes them distinct.
 _NEXT_US = 1
+# What is beyond is a mistake of units, and rejected.
+_UNITS_M_S, _UNITS_RAD_S = 5.0, 10.0
 
 
 @dataclass(frozen=True)
@@ -213,6 +216,10 @@ class Commands:
         passed_s = self._robot.now_s - self._obeyed_s
         if passed_s > config.lease_ms / 1000:
             passed_s = _FIRST_S
+        if abs(linear_m_s) <= _UNITS_M_S and abs(angular_rad_s) <= _UNITS_RAD_S:
+            linear_m_s = max(-config.max_linear_m_s, min(config.max_linear_m_s, linear_m_s))
+            most = config.max_angular_rad_s
+            angular_rad_s = max(-most, min(most, angular_rad_s))
         return (
             _grown(facts.sent_linear_m_s, linear_m_s, config.max_linear_m_s2 * passed_s),
             _grown(facts.sent_angular_rad_s, angular_rad_s, config.max_angular_rad_s2 * passed_s),
@@ -314,6 +321,27 @@ class Commands:
         self._stopped_by = sender.text
         self._gate.stop(sender.gid)
         self._watches_stop = True
+
+    def arm(self) -> tuple[bool, str]:
+        """Arm, by the rules under which the next command would; and say why not."""
+        if not self._config.enabled:
+            return False, "cmd_vel is not obeyed: start the node with --enable-drive"
+        if self._gate.is_waiting:
+            return False, "all publishers must pause (or send zero) for 500 ms first"
+        try:
+            self._robot.arm()
+        except RobotError as error:
+            return False, str(error)
+        return True, "armed: the next cmd_vel drives the robot"
+
+    @property
+    def config(self) -> DriveConfig:
+        """Which commands are obeyed."""
+        return self._config
+
+    def limit(self, **limits: Any) -> None:
+        """Change ceilings and slopes; a ceiling cannot exceed the one that it was started with."""
+        self._config = replace(self._config, **limits)
 
     def end(self) -> None:
         """Stop the robot, if it was driven from here."""

@@ -217,6 +217,19 @@ def robot_config(name: str, settings: Mapping[str, Any]) -> RobotConfig:
     )
 
 
+def whole(robots: tuple[RobotConfig, ...], program: Mapping[str, Any]) -> Config:
+    """Make the configuration of these robots and of the program's settings."""
+    interface = program.get("interface")
+    return Config(
+        robots,
+        program.get("domain", 0),
+        program.get("distro"),
+        None if interface is None else checked("interface", interface),
+        program.get("peers", ()),
+        program.get("multicast", True),
+    )
+
+
 def check_distinct(robots: tuple[RobotConfig, ...]) -> None:
     """Refuse robots whose nodes would have the same name."""
     nodes: dict[str, str] = {}

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
 """The subscriptions of one robot: cmd_vel and stop, read by a thread of their own."""
 
+import queue
 import threading
 import time
 from collections.abc import Callable, Iterator
-from typing import Any
+from concurrent.futures import Future
+from typing import Any, TypeVar
 
 from cyclonedds.core import (
     DDSException,
@@ -25,6 +27,8 @@ from .senders import Senders
 _WAIT_S = 0.02
 """Short, so that a hang of this program is noticed: see Gate.look."""
 _RETRY_S = 1.0
+_CALL_S = 2.0
+_T = TypeVar("_T")
 _STOP = "std_msgs/Empty"
 _NEWS = ViewState.Any | InstanceState.Any | SampleState.NotRead
 _SOMEBODY = Sender("", "a publisher")
@@ -42,11 +46,12 @@ class Listener:
         report: Callable[[str], None],
     ) -> None:
         """Subscribe to these topics: those without content stop the robot, others drive it."""
-        self._commands = commands
+        self.commands = commands
         self._report = report
         self._senders = Senders(participant)
         self._stops = [node.reader(*one) for one in topics if one.kind == _STOP]
         self._cmd_vel = [node.reader(*one) for one in topics if one.kind != _STOP]
+        self._calls: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._waitset = WaitSet(participant.dds)
         self._conditions = [
             ReadCondition(reader, _NEWS) for reader in (*self._stops, *self._cmd_vel)
@@ -63,26 +68,34 @@ class Listener:
                 except Exception as error:  # an unforeseen one, too: `stop` must be read again
                     why = error.msg if isinstance(error, DDSException) else repr(error)
                     self._report(f"commands cannot be read ({why}): stopped; trying again")
-                    self._commands.end()
+                    self.commands.end()
                     ended.wait(_RETRY_S)
         finally:
-            self._commands.end()
+            self.commands.end()
+
+    def call(self, act: Callable[[Commands], _T]) -> _T:
+        """Let the thread that reads commands do this, too; TimeoutError if it hangs."""
+        done: Future[_T] = Future()
+        self._calls.put(lambda: done.set_result(act(self.commands)))
+        return done.result(_CALL_S)
 
     def _turn(self) -> None:
-        self._commands.look()
+        self.commands.look()
         self._waitset.wait(round(_WAIT_S * 1e9))
-        self._commands.look(_WAIT_S)
+        self.commands.look(_WAIT_S)
+        while not self._calls.empty():
+            self._calls.get()()
         for reader in self._stops:  # first
             for sample in _taken(reader):
-                self._commands.stop(self._sender(reader, sample))
+                self.commands.stop(self._sender(reader, sample))
         for reader in self._cmd_vel:
             for sample in _taken(reader):
                 sender = self._sender(reader, sample)
                 if sample is None:
-                    self._commands.unreadable(sender)
+                    self.commands.unreadable(sender)
                 else:
                     sent_us = sample.sample_info.source_timestamp // 1000
-                    self._commands.drive(sender, sample, sent_us or time.time_ns() // 1000)
+                    self.commands.drive(sender, sample, sent_us or time.time_ns() // 1000)
 
     def _sender(self, reader: DataReader[Any], sample: Any) -> Sender:
         if sample is None:

@@ -6,6 +6,7 @@ docs/ros2.md lists the files of theirs from which the rules here are taken.
 
 import contextlib
 import os
+import secrets
 import socket
 import threading
 from collections.abc import Sequence
@@ -92,6 +93,14 @@ class Publisher:
         except DDSException:
             self.lost += 1
 
+    def is_heard_by(self, participant: Any) -> bool:
+        """Whether a reader of that participant, by its key, is matched: it gets what is sent."""
+        return any(
+            (end := self._writer.get_matched_subscription_data(handle)) is not None
+            and end.participant_key == participant
+            for handle in self._writer.get_matched_subscriptions()
+        )
+
 
 class Node:
     """A node: a name, and the publishers and readers that belong to it."""
@@ -118,6 +127,20 @@ class Node:
         reader: DataReader[Any] = DataReader(self._participant.dds, dds, qos, listener)
         self.readers.append(reader)
         return reader
+
+    def service(self, name: str, kind: str, depth: int) -> tuple[DataReader[Any], Publisher]:
+        """Offer a service as rmw_cyclonedds_cpp does: a reader of requests, in CDR, and answers."""
+        full, ends = resolve(name, self.namespace), []
+        for prefix, part, suffix in (("rq", "Request", "Request"), ("rr", "Response", "Reply")):
+            message = f"{kind.replace('/', '/srv/')}_{part}"
+            ends.append(self._participant.topic(f"{prefix}{full}{suffix}", message))
+        qos = _qos(kind, Profile(depth), f"serviceid={secrets.token_hex(16)};")
+        reader: DataReader[Any] = DataReader(self._participant.dds, ends[0], qos)
+        reader.topic.data_type = Raw
+        publisher = Publisher(DataWriter(self._participant.dds, ends[1], qos))
+        self.readers.append(reader)
+        self.publishers.append(publisher)
+        return reader, publisher
 
     def announced(self) -> AnnouncedNode:
         """Return what is announced of it."""
@@ -262,8 +285,8 @@ class Participant:
             self._domain._delete(self._domain._ref)
 
 
-def _qos(kind: str, profile: Profile) -> Qos:
-    """Return the QoS that an rmw layer requests, with the type's hash."""
+def _qos(kind: str, profile: Profile, user_data: str = "") -> Qos:
+    """Return the QoS that an rmw layer requests, with the type's hash or other data."""
     durability = Policy.Durability
     policies = [Policy.Lifespan(duration(seconds=profile.lifespan_s))] if profile.lifespan_s else []
     return Qos(
@@ -274,7 +297,7 @@ def _qos(kind: str, profile: Profile) -> Qos:
         Policy.History.KeepLast(profile.depth),
         Policy.DataRepresentation(use_cdrv0_representation=True),
         Policy.WriterDataLifecycle(autodispose=False),
-        Policy.Userdata(f"typehash={type_hash(kind)};".encode()),
+        Policy.Userdata((user_data or f"typehash={type_hash(kind)};").encode()),
         *policies,
     )
 

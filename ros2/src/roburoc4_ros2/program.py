@@ -42,7 +42,7 @@ class Program:
             participant.announce()
             stack.callback(self._end)  # first: a signal may come at any time
             for node in nodes:
-                for run in (node.run, node.listener.run):
+                for run in (node.run, node.listener.run, node.services.run):
                     thread = threading.Thread(target=run, args=(self._ended,), daemon=True)
                     self._threads.append(thread)
                     thread.start()

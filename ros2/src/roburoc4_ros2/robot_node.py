@@ -18,6 +18,7 @@ from .config import RobotConfig
 from .listener import Listener
 from .neighbours import Neighbours
 from .participant import Participant
+from .services import Services
 
 _LOOK_S = 0.2
 _DIAGNOSE_S = 1.0
@@ -53,6 +54,7 @@ class RobotNode:
         self.listener = Listener(
             participant, self.node, self.commands, config.subscriptions(), self._warn
         )
+        self.services = Services(participant, self.node, config, self.listener, self._warn)
 
     def run(self, ended: threading.Event) -> None:
         """Publish until the end."""

@@ -63,12 +63,14 @@ template <class Qos> Qos as_node(Qos qos, bool latched, int depth = 10) {
 }
 
 inline fast::DataWriter *make_writer(fast::DomainParticipant *participant, const std::string &topic,
-                                     const fast::TypeSupport &type, bool latched = false) {
+                                     const fast::TypeSupport &type, bool latched = false,
+                                     const std::string &user_data = "") {
     type.register_type(participant);
     auto *publisher = participant->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
+    fast::DataWriterQos qos = as_node(publisher->get_default_datawriter_qos(), latched);
+    qos.user_data().setValue(std::vector<rtps::octet>(user_data.begin(), user_data.end()));
     auto *made = publisher->create_datawriter(
-        participant->create_topic(topic, type.get_type_name(), fast::TOPIC_QOS_DEFAULT),
-        as_node(publisher->get_default_datawriter_qos(), latched));
+        participant->create_topic(topic, type.get_type_name(), fast::TOPIC_QOS_DEFAULT), qos);
     return made ? made : (fail("no writer of " + topic), nullptr);
 }
 

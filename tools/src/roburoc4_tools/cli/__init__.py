@@ -16,6 +16,7 @@ _INSTALLED_BY = {
     "uvicorn": '"./tools[dashboard]"',
     "websockets": '"./tools[dashboard]"',
     "mcap": '"./tools[record]"',
+    "foxglove": '"./tools[foxglove]"',
     "cyclonedds": "./tools ./ros2",
     "yaml": "./tools ./ros2",
 }

@@ -169,6 +169,9 @@ class Figures:
         self.switches: list[Switch] = []
         self.analog: list[tuple[float, float]] = []
         self.path = Path()
+        self.heading_deg = Series(begun_s)
+        """Beyond a whole turn, too, so that a line has no jumps."""
+        self._theta_rad = 0.0
         self.events: list[RecordedEvent] = []
         self.more_events = 0
         self._digital: tuple[bool, ...] = ()
@@ -247,6 +250,9 @@ class Figures:
     def _localization(self, status: LocalizationStatus) -> None:
         self._heard("localization")
         self.path.add(status.x_m, status.y_m)
+        if math.isfinite(status.theta_rad):
+            self._theta_rad += math.remainder(status.theta_rad - self._theta_rad, math.tau)
+            self.heading_deg.add(self._now_s, math.degrees(self._theta_rad))
 
     def _differential(self, status: DifferentialStatus) -> None:
         self._heard("differential")
@@ -305,6 +311,7 @@ class Figures:
                 "begin": _place(self.path.points[:1]),
                 "end": _place([self.path.end] if self.path.end else []),
             },
+            "heading_deg": _range(self.heading_deg),
             "speeds": {
                 "target_linear_m_s": _range(target),
                 "current_linear_m_s": _range(current),

@@ -74,6 +74,12 @@ def page(figures: Figures) -> str:
             _events(document),
             "<h2>Path</h2>" if len(figures.path.points) > 1 else "",
             way(figures.path),
+            chart(
+                "Heading, left is positive",
+                "°",
+                document["seconds"],
+                [Line("by odometry", "s1", figures.heading_deg)],
+            ),
             "<h2>Speeds</h2>",
             *_speeds(figures, document),
             "<h2>Battery</h2>",

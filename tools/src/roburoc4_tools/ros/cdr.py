@@ -5,7 +5,7 @@ import struct
 from collections.abc import Sequence
 
 _HEAD = b"\0\1\0\0"
-_SIZES = {code: struct.calcsize(code) for code in "BIifd"}
+_SIZES = {code: struct.calcsize(code) for code in "BIifdqQ"}
 
 
 class Cdr:
@@ -54,7 +54,9 @@ class CdrReader:
         self._at = len(_HEAD)
 
     def numbers(self, code: str, count: int) -> tuple[float, ...]:
-        """Read this many numbers of one type."""
+        """Read this many numbers of one type; before none there is no padding."""
+        if not count:
+            return ()
         self._at += (len(_HEAD) - self._at) % _SIZES[code]
         if count * _SIZES[code] > self.left:
             raise ValueError("a message ends too early")

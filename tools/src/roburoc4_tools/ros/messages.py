@@ -12,6 +12,8 @@ import json
 import re
 from typing import Any, NamedTuple
 
+# In IDL, and so on the wire, a message has at least one member.
+_EMPTY = "uint8 structure_needs_at_least_one_member"
 _DEFINITIONS = {
     "builtin_interfaces/Time": "int32 sec\nuint32 nanosec",
     "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id",
@@ -61,6 +63,22 @@ _DEFINITIONS = {
         "builtin_interfaces/Time stamp\nuint8 level\nstring name\nstring msg\nstring file\n"
         "string function\nuint32 line"
     ),
+    "rcl_interfaces/ParameterValue": (
+        "uint8 type\nbool bool_value\nint64 integer_value\nfloat64 double_value\n"
+        "string string_value\nbyte[] byte_array_value\nbool[] bool_array_value\n"
+        "int64[] integer_array_value\nfloat64[] double_array_value\nstring[] string_array_value"
+    ),
+    "rcl_interfaces/Parameter": "string name\nrcl_interfaces/ParameterValue value",
+    "rcl_interfaces/FloatingPointRange": "float64 from_value\nfloat64 to_value\nfloat64 step",
+    "rcl_interfaces/IntegerRange": "int64 from_value\nint64 to_value\nuint64 step",
+    "rcl_interfaces/ParameterDescriptor": (
+        "string name\nuint8 type\nstring description\nstring additional_constraints\n"
+        "bool read_only\nbool dynamic_typing\n"
+        "rcl_interfaces/FloatingPointRange[] floating_point_range\n"
+        "rcl_interfaces/IntegerRange[] integer_range"
+    ),
+    "rcl_interfaces/SetParametersResult": "bool successful\nstring reason",
+    "rcl_interfaces/ListParametersResult": "string[] names\nstring[] prefixes",
     "rmw_dds_common/Gid": "uint8[16] data",
     "rmw_dds_common/NodeEntitiesInfo": (
         "string<=256 node_namespace\nstring<=256 node_name\n"
@@ -70,10 +88,37 @@ _DEFINITIONS = {
         "rmw_dds_common/Gid gid\nrmw_dds_common/NodeEntitiesInfo[] node_entities_info_seq"
     ),
 }
+# Services: what is asked, and what is answered.
+_SERVICES = {
+    "std_srvs/Trigger": ("", "bool success\nstring message"),
+    "rcl_interfaces/DescribeParameters": (
+        "string[] names",
+        "rcl_interfaces/ParameterDescriptor[] descriptors",
+    ),
+    "rcl_interfaces/GetParameters": ("string[] names", "rcl_interfaces/ParameterValue[] values"),
+    "rcl_interfaces/GetParameterTypes": ("string[] names", "uint8[] types"),
+    "rcl_interfaces/ListParameters": (
+        "string[] prefixes\nuint64 depth",
+        "rcl_interfaces/ListParametersResult result",
+    ),
+    "rcl_interfaces/SetParameters": (
+        "rcl_interfaces/Parameter[] parameters",
+        "rcl_interfaces/SetParametersResult[] results",
+    ),
+    "rcl_interfaces/SetParametersAtomically": (
+        "rcl_interfaces/Parameter[] parameters",
+        "rcl_interfaces/SetParametersResult result",
+    ),
+}
+# rmw_cyclonedds_cpp puts this before both, to tell clients and their calls apart.
+_CALL = "uint64 client\nint64 number"
+_DEFINITIONS.update(
+    (f"{kind.replace('/', '/srv/')}_{part}", f"{_CALL}\n{text or _EMPTY}")
+    for kind, texts in _SERVICES.items()
+    for part, text in zip(("Request", "Response"), texts, strict=True)
+)
 _LINE = "=" * 80
 _FIELD = re.compile(r"([\w/]+)(?:<=(\d+))?(?:\[(\d*)\])? (\w+)")
-# In IDL, and so on the wire, a message has at least one member.
-_EMPTY = "uint8 structure_needs_at_least_one_member"
 
 
 class Field(NamedTuple):
@@ -122,6 +167,8 @@ _TYPE_IDS = {
     "uint8": 3,
     "int32": 6,
     "uint32": 7,
+    "int64": 8,
+    "uint64": 9,
     "float32": 10,
     "float64": 11,
     "bool": 15,
@@ -139,8 +186,8 @@ def ros_name(kind: str) -> str:
 
 def dds_name(kind: str) -> str:
     """Return the name of the type on the wire: ``nav_msgs::msg::dds_::Odometry_``."""
-    package, _, name = kind.partition("/")
-    return f"{package}::msg::dds_::{name}_"
+    package, *group, name = kind.split("/")
+    return f"{package}::{group[0] if group else 'msg'}::dds_::{name}_"
 
 
 @functools.cache

@@ -23,20 +23,17 @@ from roburoc4.records import (
 from roburoc4.robot import Robot
 from roburoc4.settings import STATUS_SERVICES
 
-from .cdr import Cdr, CdrReader
+from .cdr import CdrReader
 from .messages import definition, ros_name
 from .published import DEFAULT, PUBLISHED
-from .state import conditions, diagnoses
-from .topics import TOPICS, UNKNOWN, Item, Messages, diagnostics
-from .urdf import urdf
+from .stream import Stream
+from .topics import TOPICS, UNKNOWN, Item
 
 _CHUNK = 256 * 1024
 _CYCLES_IN_A_SECOND = 100
 _COVARIANCE_SIZE = 36
 # As rosbag2 wrote it until Iron, and reads it since: QoS with numbers.
 _ROSBAG2_VERSION = 5
-_LOOK_US = 1_000_000
-_NODE = "roburoc4"
 
 
 class RosBag:
@@ -55,7 +52,7 @@ class RosBag:
 
         self._writer = Writer(file, chunk_size=chunk_size)
         self._writer.start(profile="ros2", library="roburoc4")
-        self._messages = Messages(robot, address, offset_s)
+        self._stream = Stream(robot, address, offset_s)
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
         self._robot = robot
@@ -63,9 +60,6 @@ class RosBag:
         self._time_ns = 0
         self._first_ns: int | None = None
         self._counts: Counter[str] = Counter()
-        self._conditions: dict[str, bool] = {}
-        self._looked_us = -_LOOK_US
-        self._description = ""
 
     @property
     def messages(self) -> int:
@@ -74,27 +68,8 @@ class RosBag:
 
     def add(self, item: Item) -> None:
         """Write a status, a command or an event."""
-        self._time_ns = self._messages.seen_us(item) * 1000
-        self._write(self._messages.of(item))
-        if self._robot is not None:
-            self._write(self._state(self._robot, self._time_ns // 1000))
-
-    def _state(self, robot: Robot, now_us: int) -> Iterator[tuple[str, bytes]]:
-        """Make what the node publishes besides statuses: changes, and all of it once a second."""
-        is_due = now_us - self._looked_us >= _LOOK_US
-        before, self._conditions = self._conditions, conditions(robot)
-        for topic, condition in self._conditions.items():
-            if is_due or before.get(topic) is not condition:
-                yield topic, bytes(Cdr().numbers("B", condition).data)
-        if not is_due:
-            return
-        self._looked_us = now_us
-        yield "diagnostics", diagnostics(now_us / 1e6, self._address, diagnoses(robot, _NODE))
-        properties = robot.properties
-        description = urdf(self._messages.frames, properties) if properties.services else ""
-        if description != self._description:
-            self._description = description
-            yield "robot_description", bytes(Cdr().text(description).data)
+        self._time_ns = self._stream.messages.seen_us(item) * 1000
+        self._write(self._stream.of(item))
 
     def _write(self, messages: Iterable[tuple[str, bytes]]) -> None:
         for topic, message in messages:
@@ -107,7 +82,7 @@ class RosBag:
 
     def finish(self) -> None:
         """Complete the file."""
-        self._write(self._messages.rest())
+        self._write(self._stream.messages.rest())
         self._writer.add_metadata("rosbag2", {"serialized_metadata": self._rosbag2()})
         self._writer.add_metadata("roburoc4", self._about())
         self._writer.finish()  # type: ignore[no-untyped-call]
