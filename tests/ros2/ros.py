@@ -158,11 +158,18 @@ class Listener(Program):
         until(fits, f"such a sample of {topic}; the last: {self.samples(topic)[-1:]}", seconds)
         return next(s.message for s in self.samples(topic)[before:] if condition(s.message))
 
-    def of_node(self) -> list[Endpoint]:
-        """Endpoints of other processes."""
+    def _of_others(self) -> list[Endpoint]:
         self.look()
         prefixes = {guid[:24] for guid in self.participants}
         return [each for each in self.endpoints.values() if each.guid[:24] in prefixes]
+
+    def of_node(self) -> list[Endpoint]:
+        """Endpoints of other processes, except for those of services."""
+        return [each for each in self._of_others() if each.topic[:3] not in ("rq/", "rr/")]
+
+    def services(self) -> list[Endpoint]:
+        """Endpoints of other processes' services."""
+        return [each for each in self._of_others() if each.topic[:3] in ("rq/", "rr/")]
 
 
 class Publisher(Program):

@@ -89,7 +89,8 @@ def test_the_graph_has_one_node_with_all_endpoints(
     start_node: StartNode, listener: Listener
 ) -> None:
     start_node("--enable-drive")
-    endpoints = whole_graph(listener)
+    endpoints = [*whole_graph(listener), *listener.services()]
+    assert len(listener.services()) == 16  # eight services
     info = listener.samples(GRAPH)[-1].message
     (participant,) = listener.participants
     assert bytes(info.gid.data).hex() == participant
@@ -124,7 +125,7 @@ def test_a_killed_node_disappears_with_its_lease(start_node: StartNode, listener
     (participant,) = listener.participants.values()
     node.signal(signal.SIGKILL)
     until(
-        lambda: not listener.of_node() and not listener.participants,
+        lambda: not (listener.of_node() or listener.services() or listener.participants),
         "nothing is left",
         participant["lease_s"] + 5,
     )
@@ -137,7 +138,11 @@ def test_a_signal_leaves_no_entity_behind(
     node = start_node()
     whole_graph(listener)
     node.signal(number)
-    until(lambda: not listener.of_node() and not listener.participants, "nothing is left", 5.0)
+    until(
+        lambda: not (listener.of_node() or listener.services() or listener.participants),
+        "nothing is left",
+        5.0,
+    )
 
 
 @pytest.mark.parametrize(

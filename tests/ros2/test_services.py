@@ -188,6 +188,21 @@ def test_parameters_are_listed_described_and_read(
     assert found[1].floating_point_range[0].to_value == 0.75
 
 
+def test_services_appear_as_those_of_rmw_cyclonedds_cpp(
+    start_node: StartNode, listener: Listener
+) -> None:
+    start_node()
+    until(lambda: len(listener.services()) == 16, "eight services", 15)
+    ends = {each.topic: each for each in listener.services()}
+    request, reply = ends["rq/stopRequest"], ends["rr/stopReply"]
+    assert (request.kind, reply.kind) == ("reader", "writer")
+    assert request.type == "std_srvs::srv::dds_::Trigger_Request_"
+    assert reply.type == "std_srvs::srv::dds_::Trigger_Response_"
+    assert request.user_data == reply.user_data  # by this, a client knows that they are one
+    assert re.fullmatch("serviceid=[0-9a-f]+;", request.user_data)
+    assert all(each.reliable and not each.latched for each in ends.values())
+
+
 def test_a_ceiling_is_lowered_while_driving_and_never_raised(
     robot: Robot, driven: Node, drive: Drive, client: StartClient
 ) -> None:
