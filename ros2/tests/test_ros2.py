@@ -462,14 +462,16 @@ REPORT = PAGE.parents[1] / "scripts" / "ros2-report"
 
 
 @HAS_PAGE
-def test_the_report_runs_ten_commands_of_ros2(tmp_path: Path) -> None:
+def test_the_report_runs_the_commands_of_ros2_with_both_rmw_layers(tmp_path: Path) -> None:
     fake = tmp_path / "ros2"
     fake.write_text('#!/bin/sh\necho "ran $*"\n', encoding="utf-8")
     fake.chmod(0o755)
     env = environment() | {"PATH": f"{tmp_path}:/usr/bin:/bin", "NODE": "/RED/roburoc4"}
     done = subprocess.run([REPORT], env=env, capture_output=True, text=True, check=True)
     ran = [line for line in done.stdout.splitlines() if line.startswith("ran ")]
-    assert len(ran) == 10
+    assert len(ran) == 25
+    both = [line for line in ran if "node list" in line]
+    assert len(both) == 2  # the others differ by what only one answers
     assert not any("pub " in line or "call" in line for line in ran)
     assert any("/RED/odom" in line for line in ran)
 
