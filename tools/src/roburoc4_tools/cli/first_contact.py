@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from ..first_contact.terminal import TerminalWorld
 
 _STATE, _FILE = "contact.json", "robot.txt"
-_KEPT = (_FILE, "contact.html", "contact.pcapng")
 _CHECKLIST = (
     "Two people: one here, one at the robot with the remote emergency stop in hand.",
     "No people, animals, stairs, edges or cables near the robot; the charger is unplugged.",
@@ -55,6 +54,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 def _run(options: ContactOptions) -> int:
     from roburoc4.protocol import resolve
 
+    from ..first_contact import bundle
     from ..first_contact.contact import Contact
     from ..first_contact.terminal import TerminalWorld
     from .keyboard import Keyboard
@@ -65,6 +65,7 @@ def _run(options: ContactOptions) -> int:
         options.folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise unwritable(options.folder, error) from None
+    name = bundle.free_name(options.folder)
     host, _, port = resolve(options.robot or DEFAULT_ROBOT).rpartition(":")
     with unsuspendable(), Keyboard() as keyboard:
         world = TerminalWorld(host, int(port), keyboard)
@@ -77,9 +78,9 @@ def _run(options: ContactOptions) -> int:
             raise
         finally:
             contact.session.leave()
-            _keep(contact, options.folder)
+            _keep(contact, options.folder, name)
         if contact.refused is None:
-            _ground(contact, options, world)
+            _ground(contact, options, world, name)
     if contact.refused is not None:
         raise refused(
             f"{contact.refused} ({contact.refused.reason}; {options.folder}/contact.html)"
@@ -105,7 +106,7 @@ def _go(contact: Contact, folder: Path) -> None:
         (folder / _STATE).write_text(json.dumps(contact.state()), encoding="utf-8")
 
 
-def _keep(contact: Contact, folder: Path) -> None:
+def _keep(contact: Contact, folder: Path, name: str) -> None:
     from roburoc4 import robot_file
 
     from ..first_contact import bundle
@@ -113,14 +114,14 @@ def _keep(contact: Contact, folder: Path) -> None:
     (folder / _STATE).write_text(json.dumps(contact.state()), encoding="utf-8")
     if contact.session.known:
         robot_file.save(folder / _FILE, contact.session.known)
-    bundle.write(contact, folder)
+    bundle.write(contact, folder, name)
     with zipfile.ZipFile(folder / "contact.zip", "w", zipfile.ZIP_DEFLATED) as archive:
-        for name in _KEPT:
-            if (folder / name).exists():
-                archive.write(folder / name, name)
+        for path in (folder / _FILE, folder / "contact.html", *folder.glob("contact*.pcapng")):
+            if path.exists():
+                archive.write(path, path.name)
 
 
-def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld) -> None:
+def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, name: str) -> None:
     from ..first_contact import ground
     from ..first_contact.session import ReleasedError, UnsafeError
 
@@ -147,7 +148,7 @@ def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld) -> 
             raise refused("the key was let go: the robot was stopped; start again") from None
         finally:
             robot.stop()
-    scales = {name: value for name, value in found.items() if name.startswith("scale_")}
+    scales = {key: value for key, value in found.items() if key.startswith("scale_")}
     contact.session.known |= scales
     contact.session.notes |= {k: v for k, v in found.items() if k not in scales}
-    _keep(contact, options.folder)
+    _keep(contact, options.folder, name)

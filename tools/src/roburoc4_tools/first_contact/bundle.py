@@ -92,13 +92,20 @@ def page(contact: Contact) -> str:
             else "<p>All steps were passed.</p>"
         )
         + "<p>Answers in bold differ from those that the manual suggests. The last column counts "
-        "the datagrams of contact.pcapng.</p><table><tr><th>question</th><th>answer</th>"
+        "the datagrams of this session's recording.</p><table><tr><th>question</th><th>answer</th>"
         f"<th>manual</th><th>datagrams</th></tr>{''.join(rows)}</table>"
         f"<h2>Beside it</h2><ul>{notes}</ul><h2>Steps</h2><ol>{steps}</ol></body></html>\n"
     )
 
 
-def write(contact: Contact, folder: Path) -> None:
-    """Write page and recording into the folder."""
+def free_name(folder: Path) -> str:
+    """Return a name for this session's recording, beside those of earlier ones."""
+    names = ["contact.pcapng", *(f"contact.{k}.pcapng" for k in range(2, 1000))]
+    return next(name for name in names if not (folder / name).exists())
+
+
+def write(contact: Contact, folder: Path, name: str) -> None:
+    """Write the page, and the recording under this name, into the folder."""
     (folder / "contact.html").write_text(page(contact), encoding="utf-8")
-    (folder / "contact.pcapng").write_bytes(recording(contact.session.log))
+    if contact.session.log:
+        (folder / name).write_bytes(recording(contact.session.log))
