@@ -124,7 +124,7 @@ done
 uses='inner.o'
 "$cc" -std=c99 -O1 -fPIC "-DROBUROC4_API=$public" -Iinclude -c src/newer.c -o inner.o
 # shellcheck disable=SC2046
-library roburoc4 $(cat "$root/cmake/core_sources.txt" "$root/cmake/move_sources.txt")
+library roburoc4 $(cat "$root/cmake/core_sources.txt" "$root/cmake/move_sources.txt") src/robot_file.c
 flags=
 uses='-Llib -lroburoc4 -pthread'
 library roburoc4_udp src/pump.c src/pump_store.c src/record.c src/udp.c src/os_posix.c

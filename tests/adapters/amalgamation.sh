@@ -16,7 +16,7 @@ warnings='-std=c99 -Wall -Wextra -Werror -I'"$folder"
 # shellcheck disable=SC2086
 {
     "$cc" $warnings -O2 -c "$folder/roburoc4.c" -o "$folder/core.o"
-    "$cc" $warnings -O2 -DROBUROC4_WITH_UDP -c "$folder/roburoc4.c" -o "$folder/udp.o"
+    "$cc" $warnings -O2 -DROBUROC4_WITH_UDP -DROBUROC4_WITH_ROBOT_FILE -c "$folder/roburoc4.c" -o "$folder/udp.o"
     "$cc" $warnings -O2 "$portable/walk.c" "$portable/robot.c" "$portable/port_hosted.c" \
         "$folder/core.o" -o "$folder/walk"
 }
