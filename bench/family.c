@@ -55,6 +55,26 @@ static double uniform(uint64_t *state) {
     return (double)(family_random(state) >> 11) / 9007199254740992.0;
 }
 
+static double between(uint64_t *state, double low, double high) {
+    return low + (high - low) * uniform(state);
+}
+
+family_member family_member_drawn(uint64_t *state) {
+    family_member m;
+    memset(&m, 0, sizeof m);
+    m.natural_rad_s = uniform(state) < 0.1 ? 0 : 1.5 * pow(8 / 1.5, uniform(state));
+    m.damping = between(state, 0.6, 1.2);
+    m.gain = between(state, 0.85, 1.15);
+    m.dead_ms = (uint32_t)between(state, 0, 151);
+    m.noise_m_s = between(state, 0, 0.02);
+    m.odometry_ms = 10 * (uint32_t)between(state, 1, 21);
+    m.status_ms = 10 * (uint32_t)between(state, 5, 11);
+    m.speed = between(state, 0.3, 1);
+    m.turn = uniform(state) < 0.5;
+    m.loss = uniform(state) < 0.5 ? 0 : 0.2;
+    return m;
+}
+
 static double normal(uint64_t *state) {
     double sum = -6;
     for (int i = 0; i < 12; i++) {
@@ -280,6 +300,15 @@ static void send_to_robot(family_rig *rig, const uint8_t *data, roburoc4_result 
     } else if (roburoc4_decode_request(data, (size_t)size, &request) >= 0) {
         send_to_client(rig, out, answer_to(r, &request, out, sizeof out));
     }
+}
+
+void family_reboot(family_rig *rig) {
+    family_robot *r = &rig->robot;
+    r->boot_ms = r->now_ms;
+    r->odometry_x_m = r->odometry_y_m = r->odometry_theta_rad = 0;
+    r->target[0] = r->target[1] = 0;
+    memset(r->pose, 0, sizeof r->pose);
+    memset(r->period_cycles, 0, sizeof r->period_cycles);
 }
 
 uint64_t family_now_us(const family_rig *rig) {

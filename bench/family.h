@@ -33,6 +33,8 @@ typedef struct family_member {
 #define FAMILY_SIZE 7488
 /** Member `index` of FAMILY_SIZE, without loss. */
 family_member family_member_at(uint32_t index);
+/** A robot between these values, with loss or without. */
+family_member family_member_drawn(uint64_t *state);
 
 #define FAMILY_TELEMETERS 4
 #define FAMILY_DEAD_MS 512
@@ -84,6 +86,8 @@ void family_connect(family_rig *rig, const roburoc4_config *config);
 /** Connect and arm; 0 if it could not be armed. */
 int family_open(family_rig *rig, const family_member *member, uint64_t seed);
 int family_arm(family_rig *rig);
+/** The robot starts again: its clock, its odometry, and nobody has subscribed. */
+void family_reboot(family_rig *rig);
 /** Let time pass. */
 void family_pass(family_rig *rig, uint32_t span_ms);
 uint64_t family_now_us(const family_rig *rig);

@@ -4,6 +4,8 @@
  *
  *     moves               figures of the family, of the nominal robot, and of squares with slip
  *     moves --faults      the members of the family whose move is not fine, one a line
+ *     moves --drawn SEED  judge 2000 robots drawn at random between the members, and list those
+ *                         whose move is not fine
  *     moves --member N    judge one member, without loss and with it
  *
  * Prints a line for each figure: its name, what it was measured on, its unit and its value, with
@@ -168,6 +170,7 @@ static void measure_arcs(void) {
 /* ------------------------------------------------------------------------------- the family --- */
 
 #define SEED 20260301U
+#define DRAWN 2000
 #define PARAMETERS 9
 #define VALUES 5
 
@@ -238,6 +241,21 @@ static void measure_family(double loss, int only_faults) {
     }
 }
 
+/** Robots that no constant of the moves was chosen for. */
+static void measure_drawn(uint64_t seed, int list) {
+    unsigned fine = 0;
+    for (int i = 0; i < DRAWN; i++) {
+        const family_member m = family_member_drawn(&seed);
+        const family_verdict v = family_judge(&m, seed, 0);
+        fine += v.fault == NULL;
+        if (list && v.fault != NULL) {
+            family_print(&m, &v);
+        }
+    }
+    print("robots drawn between the members of the family", "moves that are fine", "%",
+          100.0 * fine / DRAWN);
+}
+
 static void measure_nominal(int turn, double speed) {
     const family_member m = {2.46, 0.79, 1, 0, 0, 10, 50, speed, turn, 0};
     family_verdict worst = {0};
@@ -269,12 +287,17 @@ int main(int argc, char **argv) {
         }
         return 0;
     }
+    if (argc == 3 && strcmp(argv[1], "--drawn") == 0) {
+        measure_drawn(strtoull(argv[2], NULL, 10), 1);
+        return 0;
+    }
     const int only_faults = argc == 2 && strcmp(argv[1], "--faults") == 0;
     measure_family(0, only_faults);
     measure_family(0.2, only_faults);
     if (only_faults) {
         return 0;
     }
+    measure_drawn(SEED, 0);
     for (int i = 0; i < 4; i++) {
         measure_nominal(i / 2, i % 2 ? 1.0 : 0.3);
     }

@@ -113,6 +113,12 @@ ROBUROC4_API roburoc4_result roburoc4_move_options_init(roburoc4_move_options *o
 
 /* ---------------------------------------------------------------------------------- moves --- */
 
+/** What a move knows of the robot's response. All of it is private. */
+typedef struct roburoc4_private_fit {
+    float gain, speed, since_s, surprise, statuses;
+    float numbers[5], spread[5][5], smooth[3][2];
+} roburoc4_private_fit;
+
 /** A move (frozen: its size never changes). Read the first fields after each step; the others are
  *  private. */
 typedef struct roburoc4_move {
@@ -123,20 +129,18 @@ typedef struct roburoc4_move {
                                          right are negative */
     float remaining_m, remaining_rad; /* what is left of the distance and of the current turn */
 
-    roburoc4_move_options private_options;
+    float private_goal[2], private_covered[2], private_commanded[2], private_speed[2];
+    float private_limit[2], private_slope[2], private_by_speeds[2], private_lagging[2];
+    float private_per_pose[2], private_aside_m, private_share;
     uint32_t private_timeout_ms, private_duration_ms, private_relocalized;
+    roburoc4_private_fit private_fit;
+    roburoc4_move_options private_options;
     uint64_t private_begun_us, private_first_us, private_step_us, private_heard_us, private_pose_us;
     uint64_t private_speed_cycles, private_pose_cycles;
     int64_t private_place[3], private_pose[3]; /* the goal; the last pose */
-    float private_limit[2], private_slope[2], private_per_pose[2];
-    float private_goal[2], private_speed[2];
-    float private_covered[2], private_by_speeds[2], private_commanded[2], private_lagging[2];
-    float private_aside_m, private_drift, private_share;
-    float private_model[16][9], private_gain, private_doubt, private_noise, private_scale,
-        private_statuses, private_at, private_slow, private_smooth;
     uint8_t private_kind, private_leg, private_ready, private_rolls;
     uint8_t private_still, private_bumpers, private_posed, private_begun;
-    uint8_t private_driven, private_holds, private_turned;
+    uint8_t private_driven, private_turned, private_rested, private_padding[4];
     int8_t private_side;
     uint32_t private_spare[6];
 } roburoc4_move;

@@ -19,7 +19,7 @@
 #define NO_TIMEOUT UINT32_MAX
 
 /* Callers declare moves: their size is part of the ABI. */
-typedef char assert_move_never_grows[sizeof(roburoc4_move) == 912 ? 1 : -1];
+typedef char assert_move_never_grows[sizeof(roburoc4_move) == 464 ? 1 : -1];
 
 enum { AHEAD = 1, ASTERN = 2 };
 
@@ -389,8 +389,7 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
         (v->relocalized != m->private_relocalized || (pose && !note_pose(m, v)))) {
         return false;
     }
-    roburoc4_move_axis_learn(m, passed_us, sent[roburoc4_move_axis(m)], speeds,
-                             pose || (speeds && !m->private_posed));
+    roburoc4_move_axis_learn(m, passed_s, speeds, pose || (speeds && !m->private_posed));
     return true;
 }
 
@@ -411,8 +410,8 @@ static uint8_t direction(const roburoc4_move *m) {
 static int32_t blocked(roburoc4_move *m, const roburoc4_move_view *v) {
     const float clearance_m = m->private_options.clearance_m;
     const float speed = magnitude(m->private_speed[LENGTH]);
-    const float needed_m = clearance_m + magnitude(roburoc4_move_axis_rolls(m)) +
-                           speed * seconds_of(v->distance_age_us);
+    const float needed_m =
+        clearance_m + roburoc4_move_axis_rolls(m) + speed * seconds_of(v->distance_age_us);
     const uint8_t pressed[] = {v->front_bumper, v->rear_bumper};
     const uint8_t bumper_known[] = {v->front_bumper_known, v->rear_bumper_known};
     const uint8_t known[] = {v->front_known, v->rear_known};

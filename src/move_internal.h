@@ -60,9 +60,8 @@ int32_t roburoc4_move_end(roburoc4_move *m, int32_t result);
 uint32_t roburoc4_move_axis(const roburoc4_move *m);
 /** The robot is at rest; nothing is known of its response. */
 void roburoc4_move_axis_begin(roburoc4_move *m);
-/** Time passed, in which `sent` was commanded; then a status of speeds or a pose may have come. */
-void roburoc4_move_axis_learn(roburoc4_move *m, uint32_t passed_us, float sent, bool speeds,
-                              bool pose);
+/** Time passed; then a status of speeds may have come, or one that says how far the robot is. */
+void roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, bool covered);
 /** The speed towards the end of the leg. */
 float roburoc4_move_axis_speed(roburoc4_move *m);
 /** Whether the robot is at rest at the end of the leg, and will stay there. */

@@ -129,6 +129,55 @@ TEST_F(MoveFault, APoseThatIsNotFreshPlansNothing) {
     EXPECT_NEAR(0, drove(), 0.001);
 }
 
+TEST_F(MoveFault, APoseFromBeforeARebootPlansNothing) {
+    arm();
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, by(2, 0));
+    family_reboot(&rig);
+    for (int i = 0; i < 300; i++) { /* from the reboot until well after the client knows of it */
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, rig.robot.pose[0] + 0.3, 0, &options));
+        const std::int32_t result = go();
+        EXPECT_LT(std::fabs(drove()), 0.32) << roburoc4_move_result_text(result);
+        (void)roburoc4_client_arm(&rig.client, family_now_us(&rig));
+        if (result == ROBUROC4_MOVE_REACHED)
+            return;
+    }
+    ADD_FAILURE() << "it never recovered";
+}
+
+TEST_F(MoveFault, BesideItsGoalIsNotReached) {
+    arm();
+    EXPECT_EQ(ROBUROC4_MOVE_OFF_COURSE, by(1, 0, [&] {
+                  if (drove() > 0.9 && rig.robot.odometry_y_m < 0.06)
+                      rig.robot.odometry_y_m += 0.002; /* another program corrects it */
+              }));
+    EXPECT_NEAR(1, drove(), 0.02);
+}
+
+TEST_F(MoveFault, AnArcThatIsReachedEndsAtItsEnd) {
+    int reached = 0;
+    for (const double natural : {1.5, 2.46, 8.0, 0.0}) {
+        for (const float angle : {-0.8F, 1.57F, 3.14F}) {
+            family_member member = nominal;
+            member.natural_rad_s = natural;
+            member.gain = 0.9;
+            member.dead_ms = 50;
+            member.odometry_ms = 100;
+            family_prepare(&rig, &member, 1);
+            arm();
+            if (by(1.5F, angle) != ROBUROC4_MOVE_REACHED)
+                continue; /* then it says so */
+            reached++;
+            const double radius = 1.5 / static_cast<double>(angle);
+            EXPECT_LT(std::hypot(rig.robot.x_m - radius * std::sin(angle),
+                                 rig.robot.y_m - radius * (1 - std::cos(angle))),
+                      0.05)
+                << natural << " " << angle;
+            EXPECT_NEAR(static_cast<double>(angle), turned(), 2 * degree);
+        }
+    }
+    EXPECT_GE(reached, 8);
+}
+
 /* ---------------------------------------------------------------- what is not seen is not free */
 
 TEST_F(MoveFault, WithoutAnyTelemeterInItsDirectionItDoesNotBegin) {
@@ -232,11 +281,11 @@ TEST(MoveFamily, ADrawnSampleOfRobotsMovesAsItShould) {
     std::uint64_t seed =
         given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
     std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
-    constexpr int sample = 200;
+    constexpr int sample = 300;
     int fine = 0;
     for (int i = 0; i < sample; i++) {
         const auto index = static_cast<std::uint32_t>(family_random(&seed) % FAMILY_SIZE);
-        family_member member = family_member_at(index);
+        family_member member = i % 3 == 0 ? family_member_drawn(&seed) : family_member_at(index);
         member.loss = i % 2 != 0 ? 0.2 : 0;
         const family_verdict verdict = family_judge(&member, seed, 0);
         if (verdict.fault != nullptr)
@@ -244,6 +293,6 @@ TEST(MoveFamily, ADrawnSampleOfRobotsMovesAsItShould) {
         else
             fine++;
     }
-    /* bench/moves judges all of them: 99 %. Below 95 % of a sample is no chance. */
-    EXPECT_GE(fine, sample * 95 / 100);
+    /* bench/moves judges all of them: 98 %. Below 94 % of a sample is no chance. */
+    EXPECT_GE(fine, sample * 94 / 100);
 }
