@@ -172,7 +172,7 @@ def measure_target(part, target):
     )
     add("data + bss, all of it", sum(s[1] + s[2] for s in sizes.values()))
     moves = target.moves()
-    add("moves, all of it", sum(target.sizes(o)[0] for o in moves))
+    add("moves, all of it", sum(target.sizes(o)[0] for o in moves if o.stem.startswith("move")))
     drives = target.linked(figures.BENCH / "size/client_drive.c", objects)[0]
     by = target.linked(figures.BENCH / "size/client_move.c", objects + moves)[0]
     add("a metre, in a firmware that drives", by - drives)
