@@ -25,6 +25,8 @@ LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1152);
 
 /* The longest wait before a request is repeated while the client is not ready. */
 #define PATIENCE_US (5 * SECOND)
+/* Longer pauses between two calls are noted. */
+#define PAUSE_US (100 * MS)
 #define RELOCALIZE_US (2 * SECOND)
 #define OUTPUT_PAUSE_US (50 * MS)
 
@@ -142,7 +144,8 @@ static uint32_t *stamp_at(client *c, uint32_t i) {
     return (uint32_t *)(void *)((uint8_t *)c + stamps[i]);
 }
 
-void roburoc4_lifecycle_limit_ages(client *c, uint64_t now_us) {
+/** Before the time becomes now_us: shorten what would have been longer ago than OLDEST_US. */
+static void limit_ages(client *c, uint64_t now_us) {
     const uint64_t passed_us = now_us - c->private_now_us;
     for (uint32_t i = 0; i < sizeof stamps / sizeof stamps[0]; i++) {
         uint32_t *stamp = stamp_at(c, i);
@@ -152,7 +155,8 @@ void roburoc4_lifecycle_limit_ages(client *c, uint64_t now_us) {
     c->private_aged_us = now_us;
 }
 
-void roburoc4_lifecycle_clock_fault(client *c, uint64_t host_us) {
+/** The clock went back: restart everything that is timed. */
+static void clock_fault(client *c, uint64_t host_us) {
     const uint32_t now_us = (uint32_t)host_us;
     roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_CLOCK);
     roburoc4_drive_rebase(&c->private_drive, now_us);
@@ -167,6 +171,21 @@ void roburoc4_lifecycle_clock_fault(client *c, uint64_t host_us) {
     c->private_aged_us = host_us;
     count(c, ROBUROC4_COUNT_CLOCK_FAULTS);
     raise_event(c, ROBUROC4_EVENT_CLOCK);
+}
+
+void roburoc4_lifecycle_see_time(client *c, uint64_t now_us) {
+    if (now_us - c->private_now_us >= PAUSE_US) {
+        if (now_us < c->private_now_us) {
+            clock_fault(c, now_us);
+        } else {
+            roburoc4_link_pause(&c->private_link, now_us - c->private_now_us);
+        }
+    }
+    if (now_us - c->private_aged_us >= OLDEST_US) {
+        limit_ages(c, now_us);
+    }
+    c->private_now_us = now_us;
+    c->private_timer.now_us = (uint32_t)now_us;
 }
 
 /* ---- init, start, close ---- */
@@ -314,7 +333,7 @@ roburoc4_result roburoc4_client_poll_transmit(client *c, uint8_t *buffer, size_t
         return 0;
     }
     if (now_us >= c->private_now_us && now_us < c->private_idle_until_us) {
-        see_time(c, now_us);
+        roburoc4_lifecycle_see_time(c, now_us);
         return 0; /* nothing changed since this deadline was computed */
     }
     begin_call(c, now_us);

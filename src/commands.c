@@ -17,7 +17,8 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
     if (!started(c)) {
         return ROBUROC4_ERR_NOT_READY;
     }
-    see_time(c, now_us); /* a refused call makes nothing due: programs may try again and again */
+    roburoc4_lifecycle_see_time(
+        c, now_us); /* a refused call makes nothing due: programs may try again and again */
     roburoc4_conditions_tick(c);
     const roburoc4_result refusal = roburoc4_conditions_refusal(c, now_us);
     if (refusal >= 0) {
@@ -47,7 +48,7 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
     if (lease_us < LEASE_MIN_MS * MS || lease_us > LEASE_MAX_MS * MS) {
         return ROBUROC4_ERR_ARGUMENT;
     }
-    see_time(c, now_us);
+    roburoc4_lifecycle_see_time(c, now_us);
     roburoc4_conditions_tick(c);
     const uint32_t lease_before_us = c->private_drive.lease_us;
     const roburoc4_result result =

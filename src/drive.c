@@ -27,6 +27,8 @@
 #define NEW_TARGET 0.025F
 /* Far above any robot's speed, and low enough that products stay finite. */
 #define ANY_SPEED 1000.0F
+/* Of the share that keeps a curve: as exact as a float. */
+#define SHARE_BITS 24
 /* Widths outside of these are ignored. */
 #define WIDTH_MIN_M 0.01F
 #define WIDTH_MAX_M 10.0F
@@ -209,17 +211,30 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
 
 /* ---- sending ---- */
 
+static bool exceeds(const float *wanted, float share, const float *most) {
+    return order_of(wanted[LINEAR] * share) > order_of(most[LINEAR]) ||
+           order_of(wanted[ANGULAR] * share) > order_of(most[ANGULAR]);
+}
+
 /** The factor, at most 1, that brings both speeds within the limits and preserves the curvature.
  * The linear limit holds for the outer wheels, too. A limit of 0 is ignored: in that direction the
  * robot cannot drive at all, so there is no curvature to preserve. */
 static float curve_share(const float *speeds, const float *low, const float *high, float width_m) {
     const float outer = magnitude(speeds[LINEAR]) + magnitude(speeds[ANGULAR]) * width_m * 0.5F;
     const float wanted[AXES] = {outer, magnitude(speeds[ANGULAR])};
+    float most[AXES];
     float share = 1;
+    float step = 1;
     for (uint32_t axis = 0; axis < AXES; axis++) {
-        const float most = magnitude(order_of(speeds[axis]) < 0 ? low[axis] : high[axis]);
-        if (!is_zero(most) && order_of(wanted[axis] * share) > order_of(most)) {
-            share = most / wanted[axis];
+        most[axis] = magnitude(order_of(speeds[axis]) < 0 ? low[axis] : high[axis]);
+        most[axis] = is_zero(most[axis]) ? ANY_SPEED * ANY_SPEED : most[axis];
+    }
+    if (exceeds(wanted, 1, most)) {
+        /* by bisection, to the last bit: a division costs a small machine 600 bytes */
+        share = 0;
+        for (uint32_t bit = 0; bit < SHARE_BITS; bit++) {
+            step *= 0.5F;
+            share = exceeds(wanted, share + step, most) ? share : share + step;
         }
     }
     return share;

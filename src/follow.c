@@ -12,13 +12,13 @@
 
 #define ONE 65536
 #define LARGEST (32 * ONE)
-/* Averages are taken over this many cycles. Bounds come back in so many: longer where the robot has
- * to become faster, as it may be slow to start. */
-#define MEAN_CYCLES 32
-#define FASTER_CYCLES 512
-#define SLOWER_CYCLES 256
+/* Averages are taken over two to the power of this many cycles. Bounds come back in so many: longer
+ * where the robot has to become faster, as it may be slow to start. */
+#define MEAN_BITS 5
+#define FASTER_BITS 9
+#define SLOWER_BITS 8
 /* Longer gaps between statuses count as this. */
-#define MOST_CYCLES MEAN_CYCLES
+#define MOST_CYCLES (1U << MEAN_BITS)
 /* The robot does not follow if its speed was out of bounds for this long. */
 #define FAULT_CYCLES 100
 /* A share of the target below which the robot does not follow it. */
@@ -49,9 +49,12 @@ static int32_t bounded(int32_t value, int32_t most) {
     return value > most ? most : value < -most ? -most : value;
 }
 
-/** `passed` of `all` of the way. */
-static int32_t part_way(int32_t from, int32_t to, uint32_t passed, int32_t all) {
-    return from + (to - from) * (int32_t)passed / all;
+/** `passed` of 2^bits parts of the way, rounded towards the beginning. A division would be a slow
+ * function call on small machines. */
+static int32_t part_way(int32_t from, int32_t to, uint32_t passed, uint32_t bits) {
+    const int32_t way = to - from;
+    const int32_t part = (int32_t)((uint32_t)(way < 0 ? -way : way) * passed >> bits);
+    return way < 0 ? from - part : from + part;
 }
 
 static bool out_of_bounds(const follow *f, uint32_t axis) {
@@ -92,12 +95,12 @@ bool roburoc4_follow_status(follow *f, const float *targets,
             fault = true;
             continue;
         }
-        f->mean[axis] = part_way(f->mean[axis], speed, passed, MEAN_CYCLES);
+        f->mean[axis] = part_way(f->mean[axis], speed, passed, MEAN_BITS);
         const int32_t target = targets != NULL ? fixed_from(targets[axis]) : f->mean[axis];
-        f->low[axis] = part_way(f->low[axis], target, passed,
-                                f->low[axis] < 0 ? SLOWER_CYCLES : FASTER_CYCLES);
-        f->high[axis] = part_way(f->high[axis], target, passed,
-                                 f->high[axis] > 0 ? SLOWER_CYCLES : FASTER_CYCLES);
+        f->low[axis] =
+            part_way(f->low[axis], target, passed, f->low[axis] < 0 ? SLOWER_BITS : FASTER_BITS);
+        f->high[axis] =
+            part_way(f->high[axis], target, passed, f->high[axis] > 0 ? SLOWER_BITS : FASTER_BITS);
         f->low[axis] = target < f->low[axis] ? target : f->low[axis];
         f->high[axis] = target > f->high[axis] ? target : f->high[axis];
         fault = fault || out_of_bounds(f, axis);

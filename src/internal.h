@@ -36,14 +36,18 @@ typedef roburoc4_private_values values;
 
 /* ---- time ---- */
 
+/* No age is longer than this. */
+#define OLDEST_US (UINT32_C(1) << 30)
+
 /** The time of the current call, and how long it will be until the first of the things is due of
  * which this poll asked. A poll that sends nothing has asked of everything, so that is the client's
  * deadline.
  *
  * Inside, times have 32 bits, and how long ago something was is a difference of two of them: the
- * client sees to it that none is longer than 2^31 us (see_time). Only the link maps clocks, with 64
- * bits. A function that asks whether something is due takes a timer; one that only notes the time
- * takes now_us; those that take a client use private_timer, whose time is that of the call. */
+ * client sees to it that none is longer than 2^31 us (roburoc4_lifecycle_see_time). Only the link
+ * maps clocks, with 64 bits. A function that asks whether something is due takes a timer; one that
+ * only notes the time takes now_us; those that take a client use private_timer, whose time is that
+ * of the call. */
 typedef roburoc4_private_timer timer;
 
 /** Whether so much time has passed; if not, it will be due when it has. */
@@ -370,31 +374,11 @@ void roburoc4_lifecycle_connect(roburoc4_client *c, uint32_t state);
 void roburoc4_lifecycle_lose(roburoc4_client *c);
 /** The robot restarted: discover it again. */
 void roburoc4_lifecycle_reboot(roburoc4_client *c);
-/** The clock went back: restart everything that is timed. */
-void roburoc4_lifecycle_clock_fault(roburoc4_client *c, uint64_t now_us);
-/** Before the time becomes now_us: shorten what would have been longer ago than 2^30 us. */
-void roburoc4_lifecycle_limit_ages(roburoc4_client *c, uint64_t now_us);
-/* Longer pauses between two calls are noted. */
-#define PAUSE_US (100 * MS)
-#define OLDEST_US (UINT32_C(1) << 30)
 /** The door: here times have 64 bits. */
-static inline void see_time(roburoc4_client *c, uint64_t now_us) {
-    if (now_us - c->private_now_us >= PAUSE_US) {
-        if (now_us < c->private_now_us) {
-            roburoc4_lifecycle_clock_fault(c, now_us);
-        } else {
-            roburoc4_link_pause(&c->private_link, now_us - c->private_now_us);
-        }
-    }
-    if (now_us - c->private_aged_us >= OLDEST_US) {
-        roburoc4_lifecycle_limit_ages(c, now_us);
-    }
-    c->private_now_us = now_us;
-    c->private_timer.now_us = (uint32_t)now_us;
-}
+void roburoc4_lifecycle_see_time(roburoc4_client *c, uint64_t now_us);
 /** Every public call with a time that may change something begins with this. */
 static inline void begin_call(roburoc4_client *c, uint64_t now_us) {
-    see_time(c, now_us);
+    roburoc4_lifecycle_see_time(c, now_us);
     wake(c);
 }
 

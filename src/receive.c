@@ -514,7 +514,7 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
     if (c->private_state == ROBUROC4_STATE_IDLE) {
         return ROBUROC4_ERR_STATE;
     }
-    see_time(c, now_us);
+    roburoc4_lifecycle_see_time(c, now_us);
     count(c, ROBUROC4_COUNT_RECEIVED);
     c->private_discovery.described_kind = 0;
     if (size >= STATUS_HEAD && datagram[0] == ROBUROC4_HEADER_STATUS) {
