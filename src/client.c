@@ -30,6 +30,14 @@ LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1152);
 #define RELOCALIZE_US (2 * SECOND)
 #define OUTPUT_PAUSE_US (50 * MS)
 
+uint32_t roburoc4_version(void) {
+    return ROBUROC4_VERSION;
+}
+
+uint32_t roburoc4_abi_version(void) {
+    return ROBUROC4_ABI_VERSION;
+}
+
 size_t roburoc4_client_size(void) {
     return sizeof(client);
 }

@@ -160,6 +160,32 @@ roburoc4_result roburoc4_encode_request(uint8_t *buffer, size_t capacity,
     return result;
 }
 
+static void read_request_body(reader *r, roburoc4_request *out) {
+    switch (out->action) {
+    case ROBUROC4_ACTION_QUERY:
+        if (out->service == ROBUROC4_SERVICE_DIRECTORY) {
+            out->index = read_u16(r);
+        } else {
+            out->io_type = read_u8(r);
+            out->index = i32_from_bits(read_u32(r));
+        }
+        break;
+    case ROBUROC4_ACTION_REPLACE:
+        out->timestamp = read_u64(r);
+        read_pose(r, &out->x_m, &out->y_m, &out->theta_rad);
+        break;
+    case ROBUROC4_ACTION_INSERT:
+        out->subject = read_u16(r);
+        out->period_cycles = read_u8(r);
+        break;
+    case ROBUROC4_ACTION_DELETE:
+        out->subject = read_u16(r);
+        break;
+    default:
+        break;
+    }
+}
+
 roburoc4_result roburoc4_decode_request(const uint8_t *data, size_t size, roburoc4_request *out) {
     reader r = reader_of(data, size);
     const uint8_t id = read_u8(&r);
@@ -177,29 +203,7 @@ roburoc4_result roburoc4_decode_request(const uint8_t *data, size_t size, roburo
     out->id = id;
     out->action = action;
     out->service = service;
-    switch (action) {
-    case ROBUROC4_ACTION_QUERY:
-        if (service == ROBUROC4_SERVICE_DIRECTORY) {
-            out->index = read_u16(&r);
-        } else {
-            out->io_type = read_u8(&r);
-            out->index = i32_from_bits(read_u32(&r));
-        }
-        break;
-    case ROBUROC4_ACTION_REPLACE:
-        out->timestamp = read_u64(&r);
-        read_pose(&r, &out->x_m, &out->y_m, &out->theta_rad);
-        break;
-    case ROBUROC4_ACTION_INSERT:
-        out->subject = read_u16(&r);
-        out->period_cycles = read_u8(&r);
-        break;
-    case ROBUROC4_ACTION_DELETE:
-        out->subject = read_u16(&r);
-        break;
-    default:
-        break;
-    }
+    read_request_body(&r, out);
     return result;
 }
 

@@ -89,9 +89,8 @@ static bool id_valid(int32_t id) {
     return id == ROBUROC4_ID_AUTO || (id > ROBUROC4_SERVICE_NOTIFICATION && id <= 0xFFFF);
 }
 
-static uint32_t first_bad(const roburoc4_config *config) {
-    const uint32_t services_of_arming =
-        (uint32_t)service_bit(ROBUROC4_SERVICE_IOCARD) | service_bit(ROBUROC4_SERVICE_DIFFERENTIAL);
+/** The first value of the tables that is out of its range, or ALL_GOOD. */
+static uint32_t first_out_of_range(const roburoc4_config *config) {
     const uint8_t *base = (const uint8_t *)config;
     for (uint32_t i = 0; i < COUNT(integers); i++) {
         uint32_t value;
@@ -108,15 +107,12 @@ static uint32_t first_bad(const roburoc4_config *config) {
             return BAD_FLOAT + i;
         }
     }
-    if ((config->subscriptions & 3) != 0) {
-        return BAD_INTEGER; /* directory and notification have no statuses */
-    }
-    if (config->lease_ms < 2 * config->drive_period_ms) {
-        return BAD_HALF_LEASE;
-    }
-    if (config->robot_watchdog_ms < 2 * config->drive_period_ms) {
-        return BAD_HALF_WATCHDOG;
-    }
+    return ALL_GOOD;
+}
+
+static uint32_t first_bad_period(const roburoc4_config *config) {
+    const uint32_t services_of_arming =
+        (uint32_t)service_bit(ROBUROC4_SERVICE_IOCARD) | service_bit(ROBUROC4_SERVICE_DIFFERENTIAL);
     for (uint32_t service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
         const uint32_t period_ms = config->period_ms[service];
         if (period_ms == 0 || period_ms > 2550 || period_ms % 10 != 0) {
@@ -127,17 +123,46 @@ static uint32_t first_bad(const roburoc4_config *config) {
             return BAD_FRESH;
         }
     }
+    return ALL_GOOD;
+}
+
+static bool roles_valid(const roburoc4_config *config) {
     for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
         if (config->role_index[role] < ROBUROC4_INDEX_AUTO ||
             config->role_index[role] >= roburoc4_role_capacity(role)) {
-            return BAD_ROLE;
+            return false;
         }
     }
-    if (!id_valid(config->iocard_id) || !id_valid(config->differential_id) ||
-        (config->iocard_id >= 0 && config->iocard_id == config->differential_id)) {
-        return BAD_ID;
+    return true;
+}
+
+static bool ids_valid(const roburoc4_config *config) {
+    return id_valid(config->iocard_id) && id_valid(config->differential_id) &&
+           (config->iocard_id < 0 || config->iocard_id != config->differential_id);
+}
+
+static uint32_t first_bad(const roburoc4_config *config) {
+    uint32_t bad = first_out_of_range(config);
+    if (bad != ALL_GOOD) {
+        return bad;
     }
-    return ALL_GOOD;
+    if ((config->subscriptions & 3) != 0) {
+        return BAD_INTEGER; /* directory and notification have no statuses */
+    }
+    if (config->lease_ms < 2 * config->drive_period_ms) {
+        return BAD_HALF_LEASE;
+    }
+    if (config->robot_watchdog_ms < 2 * config->drive_period_ms) {
+        return BAD_HALF_WATCHDOG;
+    }
+    bad = first_bad_period(config);
+    if (bad != ALL_GOOD) {
+        return bad;
+    }
+    if (!roles_valid(config)) {
+        return BAD_ROLE;
+    }
+    return ids_valid(config) ? ALL_GOOD : BAD_ID;
 }
 
 /** Fill *out with the fields that the program knows, defaults for the others. Returns one of the

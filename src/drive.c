@@ -471,19 +471,11 @@ static void watch_following(drive *d, follow *f, const roburoc4_differential_sta
     }
 }
 
-void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
-                           const roburoc4_differential_status *s, bool overridden, uint32_t age_us,
-                           uint32_t now_us, uint32_t *events) {
-    const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
-    age_envelope(d, config->robot_watchdog_ms * MS, now_us);
+/** What the reported targets mean for the stop sequence, the lease, or the time after both. */
+static void watch_targets(drive *d, const roburoc4_config *config, const float *reported, bool ours,
+                          uint32_t age_us, uint32_t now_us, uint32_t *events) {
     const bool zero = nearly_zero(reported[LINEAR]) && nearly_zero(reported[ANGULAR]);
-    const bool ours =
-        zero || (is_ours(d, LINEAR, reported[LINEAR]) && is_ours(d, ANGULAR, reported[ANGULAR]));
-    watch_other_commander(d, config, ours || overridden, events);
-    if (overridden) {
-        d->confirmed = 0; /* the robot ignores commands now */
-        d->echo_due = 0;
-    } else if (d->stopping) {
+    if (d->stopping) {
         if (zero && d->zeros_sent >= STOP_ZEROS && now_us - d->stop_us >= age_us) {
             d->confirmed = 1; /* an older status is from before the zeros */
         }
@@ -495,10 +487,30 @@ void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
             stop_again(d);
         }
     }
-    watch_following(d, f, s,
-                    !overridden && (d->lease_active || (!zero && is_finite(reported[LINEAR]) &&
-                                                        is_finite(reported[ANGULAR]))),
-                    events);
+}
+
+/** Whether the robot has a target to follow, of ours or of another commander. */
+static bool has_target(const drive *d, const float *reported) {
+    return d->lease_active || (!(nearly_zero(reported[LINEAR]) && nearly_zero(reported[ANGULAR])) &&
+                               is_finite(reported[LINEAR]) && is_finite(reported[ANGULAR]));
+}
+
+void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
+                           const roburoc4_differential_status *s, bool overridden, uint32_t age_us,
+                           uint32_t now_us, uint32_t *events) {
+    const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
+    age_envelope(d, config->robot_watchdog_ms * MS, now_us);
+    const bool ours =
+        (nearly_zero(reported[LINEAR]) && nearly_zero(reported[ANGULAR])) ||
+        (is_ours(d, LINEAR, reported[LINEAR]) && is_ours(d, ANGULAR, reported[ANGULAR]));
+    watch_other_commander(d, config, ours || overridden, events);
+    if (overridden) {
+        d->confirmed = 0; /* the robot ignores commands now */
+        d->echo_due = 0;
+    } else {
+        watch_targets(d, config, reported, ours, age_us, now_us, events);
+    }
+    watch_following(d, f, s, !overridden && has_target(d, reported), events);
 }
 
 void roburoc4_drive_rebase(drive *d, uint32_t now_us) {

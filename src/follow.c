@@ -79,36 +79,38 @@ void roburoc4_follow_pause(follow *f, const roburoc4_differential_status *s) {
     f->cycles = (uint32_t)s->robot_cycles;
 }
 
+/** Take a speed into the averages and bounds of an axis: whether it is out of bounds. */
+static bool watch_axis(follow *f, uint32_t axis, float measured, const float *targets,
+                       uint32_t passed) {
+    const int32_t speed = fixed_from(measured);
+    if (f->watching != WATCHING) {
+        const int32_t most = f->watching == WATCHING_FROM_REST ? tolerance[axis] : LARGEST;
+        f->mean[axis] = f->low[axis] = f->high[axis] = bounded(speed, most);
+    }
+    if (!is_finite(measured)) {
+        return true;
+    }
+    f->mean[axis] = part_way(f->mean[axis], speed, passed, MEAN_BITS);
+    const int32_t target = targets != NULL ? fixed_from(targets[axis]) : f->mean[axis];
+    const int32_t low =
+        part_way(f->low[axis], target, passed, f->low[axis] < 0 ? SLOWER_BITS : FASTER_BITS);
+    const int32_t high =
+        part_way(f->high[axis], target, passed, f->high[axis] > 0 ? SLOWER_BITS : FASTER_BITS);
+    f->low[axis] = target < low ? target : low;
+    f->high[axis] = target > high ? target : high;
+    return out_of_bounds(f, axis);
+}
+
 bool roburoc4_follow_status(follow *f, const float *targets,
                             const roburoc4_differential_status *s) {
     const uint32_t passed = at_most((uint32_t)s->robot_cycles - f->cycles, MOST_CYCLES);
+    const bool linear = watch_axis(f, LINEAR, s->current_linear_m_s, targets, passed);
+    const bool angular = watch_axis(f, ANGULAR, s->current_angular_rad_s, targets, passed);
     f->cycles = (uint32_t)s->robot_cycles;
-    const float speeds[AXES] = {s->current_linear_m_s, s->current_angular_rad_s};
-    bool fault = false;
-    for (uint32_t axis = 0; axis < AXES; axis++) {
-        const int32_t speed = fixed_from(speeds[axis]);
-        if (f->watching != WATCHING) {
-            const int32_t most = f->watching == WATCHING_FROM_REST ? tolerance[axis] : LARGEST;
-            f->mean[axis] = f->low[axis] = f->high[axis] = bounded(speed, most);
-        }
-        if (!is_finite(speeds[axis])) {
-            fault = true;
-            continue;
-        }
-        f->mean[axis] = part_way(f->mean[axis], speed, passed, MEAN_BITS);
-        const int32_t target = targets != NULL ? fixed_from(targets[axis]) : f->mean[axis];
-        f->low[axis] =
-            part_way(f->low[axis], target, passed, f->low[axis] < 0 ? SLOWER_BITS : FASTER_BITS);
-        f->high[axis] =
-            part_way(f->high[axis], target, passed, f->high[axis] > 0 ? SLOWER_BITS : FASTER_BITS);
-        f->low[axis] = target < f->low[axis] ? target : f->low[axis];
-        f->high[axis] = target > f->high[axis] ? target : f->high[axis];
-        fault = fault || out_of_bounds(f, axis);
-    }
     f->watching = WATCHING;
     if (targets == NULL) {
         f->fault_cycles = f->fault = 0;
-    } else if (fault) {
+    } else if (linear || angular) {
         f->fault_cycles = (uint8_t)at_most(f->fault_cycles + passed, FAULT_CYCLES);
         f->fault = f->fault || f->fault_cycles == FAULT_CYCLES;
     } else {

@@ -347,6 +347,19 @@ static verdict judge_time(roburoc4_private_link *l, const service *s, uint64_t r
     return clock_was_set(l, transit, now_us) ? VERDICT_REBOOT : VERDICT_NEW;
 }
 
+/** What a status that counts tells of the clocks and of ages. */
+static void learn_times(roburoc4_private_link *l, const service *s, uint64_t transit, bool newest,
+                        uint64_t now_us) {
+    map_times(l, transit, now_us);
+    if (l->slack_us > 0 && l->slack_us > lateness(l, transit)) {
+        l->slack_us = (uint32_t)lateness(l, transit); /* the clock has not jumped by more */
+    }
+    if (l->answered && newest && dates_itself(l, s, now_us)) {
+        l->answered = 0;
+        learn_age(l, transit, now_us);
+    }
+}
+
 verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robot_cycles,
                              uint64_t now_us) {
     const uint64_t transit = transit_of(robot_cycles, now_us);
@@ -370,14 +383,7 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
         count_gap(s, robot_cycles - s->robot_cycles);
         measure_jitter(s, transit);
     }
-    map_times(l, transit, now_us);
-    if (l->slack_us > 0 && l->slack_us > lateness(l, transit)) {
-        l->slack_us = (uint32_t)lateness(l, transit); /* the clock has not jumped by more */
-    }
-    if (l->answered && newest && dates_itself(l, s, now_us)) {
-        l->answered = 0;
-        learn_age(l, transit, now_us);
-    }
+    learn_times(l, s, transit, newest, now_us);
     s->received++;
     s->robot_cycles = robot_cycles;
     s->received_us = now_us;

@@ -5,14 +5,6 @@
  */
 #include "internal.h"
 
-uint32_t roburoc4_version(void) {
-    return ROBUROC4_VERSION;
-}
-
-uint32_t roburoc4_abi_version(void) {
-    return ROBUROC4_ABI_VERSION;
-}
-
 /** Entry `index` of a list of texts separated by NUL, which needs no pointers; NULL beyond the
  * last. */
 static const char *nth(const char *joined, uint32_t count, uint32_t index) {
@@ -25,53 +17,56 @@ static const char *nth(const char *joined, uint32_t count, uint32_t index) {
     return joined;
 }
 
+static const char codec_and_client[] =
+    "argument out of range\0"
+    "buffer too small\0"
+    "datagram shorter than its layout\0"
+    "datagram of another kind\0"
+    "impossible value in datagram\0"
+    "the robot answered with an error\0"
+    "struct size differs from the library's\0"
+    "configuration value out of range\0"
+    "client not started, or closing\0"
+    "not reported by the robot yet: wait, then try again\0"
+    "the robot has no such channel\0"
+    "output 0 belongs to the robot: use output 1 or above\0"
+    "NaN or infinity: give finite numbers\0"
+    "answer to no open request\0"
+    "status not subscribed to\0"
+    "status not newer than the last\0"
+    "the robot did not answer any of the tries: check the link, then try again";
+
+static const char motion[] =
+    "not armed: call arm() before drive()\0"
+    "not connected: wait until the robot answers\0"
+    "no usable differential service: this robot cannot be driven\0"
+    "the robot's speed limits are not usable: check its properties\0"
+    "no recent differential status: check the link and the status period\0"
+    "no recent IO card status: check the link and the status period\0"
+    "game pad input unknown: wait a minute for its text, else set override_index or "
+    "allow_unknown_override\0"
+    "game pad override: release [A] on the game pad\0"
+    "the robot is moving: wait until it is at rest\0"
+    "another client commands the robot: end the other program\0"
+    "the robot fell silent: check cable and power\0"
+    "the robot restarted: check it, then arm again\0"
+    "the clock went back: find out what sets this machine's clock\0"
+    "the robot does not follow its commands: check emergency stops, brakes selector and "
+    "bumpers\0"
+    "stopped by stop(): call arm() to drive again\0"
+    "the program did not renew its drive command in time: call arm() to drive again\0"
+    "commands reach the robot late or not at all: check the link\0"
+    "faster than any RobuROC4: give m/s and rad/s, at most 5 and 10\0"
+    "no subscription to statuses that driving needs: the robot refused it (its list may be "
+    "full: "
+    "restart it) or has no such service";
+
+static const char adapter[] =
+    "the operating system refused\0"
+    "host name has no address: check the spelling, or give the address in numbers\0"
+    "already closed, or made before a fork: connect again";
+
 const char *roburoc4_result_text(roburoc4_result result) {
-    static const char codec_and_client[] =
-        "argument out of range\0"
-        "buffer too small\0"
-        "datagram shorter than its layout\0"
-        "datagram of another kind\0"
-        "impossible value in datagram\0"
-        "the robot answered with an error\0"
-        "struct size differs from the library's\0"
-        "configuration value out of range\0"
-        "client not started, or closing\0"
-        "not reported by the robot yet: wait, then try again\0"
-        "the robot has no such channel\0"
-        "output 0 belongs to the robot: use output 1 or above\0"
-        "NaN or infinity: give finite numbers\0"
-        "answer to no open request\0"
-        "status not subscribed to\0"
-        "status not newer than the last\0"
-        "the robot did not answer any of the tries: check the link, then try again";
-    static const char motion[] =
-        "not armed: call arm() before drive()\0"
-        "not connected: wait until the robot answers\0"
-        "no usable differential service: this robot cannot be driven\0"
-        "the robot's speed limits are not usable: check its properties\0"
-        "no recent differential status: check the link and the status period\0"
-        "no recent IO card status: check the link and the status period\0"
-        "game pad input unknown: wait a minute for its text, else set override_index or "
-        "allow_unknown_override\0"
-        "game pad override: release [A] on the game pad\0"
-        "the robot is moving: wait until it is at rest\0"
-        "another client commands the robot: end the other program\0"
-        "the robot fell silent: check cable and power\0"
-        "the robot restarted: check it, then arm again\0"
-        "the clock went back: find out what sets this machine's clock\0"
-        "the robot does not follow its commands: check emergency stops, brakes selector and "
-        "bumpers\0"
-        "stopped by stop(): call arm() to drive again\0"
-        "the program did not renew its drive command in time: call arm() to drive again\0"
-        "commands reach the robot late or not at all: check the link\0"
-        "faster than any RobuROC4: give m/s and rad/s, at most 5 and 10\0"
-        "no subscription to statuses that driving needs: the robot refused it (its list may be "
-        "full: "
-        "restart it) or has no such service";
-    static const char adapter[] =
-        "the operating system refused\0"
-        "host name has no address: check the spelling, or give the address in numbers\0"
-        "already closed, or made before a fork: connect again";
     const char *text = NULL;
     if (result >= 0) {
         return "ok";
@@ -102,38 +97,39 @@ static uint32_t bit_index(uint32_t event) {
     return index;
 }
 
+static const char events[] =
+    "the state of the connection changed\0"
+    "the robot is ready\0"
+    "the robot fell silent: connecting again\0"
+    "the robot restarted\0"
+    "properties of a service are new or changed\0"
+    "text for a service or channel received\0"
+    "IO card status received\0"
+    "telemeter status received\0"
+    "battery status received\0"
+    "localization status received\0"
+    "differential status received\0"
+    "armed: drive commands are accepted\0"
+    "disarmed: drive commands are refused\0"
+    "the lease expired without a new drive command: the robot is stopped\0"
+    "the robot confirmed the stop\0"
+    "game pad [A] was pressed or released\0"
+    "another client started or stopped commanding the robot\0"
+    "the robot does not move although it should, or moves again\0"
+    "the battery fell below the robot's minimum\0"
+    "the battery is critical\0"
+    "the robot accepted the new pose\0"
+    "the robot did not accept the new pose\0"
+    "the robot refused a subscription\0"
+    "the robot answers every request with the id 1\0"
+    "the clock of this machine went back\0"
+    "the robot has more services, channels or telemeters than the client stores\0"
+    "every text was read or given up\0"
+    "a text identified an input: a bumper, [A] or the battery voltage\0"
+    "arming is possible now\0"
+    "the stop sequence ended, but the robot did not confirm it";
+
 const char *roburoc4_name(uint32_t what, uint32_t number) {
-    static const char events[] =
-        "the state of the connection changed\0"
-        "the robot is ready\0"
-        "the robot fell silent: connecting again\0"
-        "the robot restarted\0"
-        "properties of a service are new or changed\0"
-        "text for a service or channel received\0"
-        "IO card status received\0"
-        "telemeter status received\0"
-        "battery status received\0"
-        "localization status received\0"
-        "differential status received\0"
-        "armed: drive commands are accepted\0"
-        "disarmed: drive commands are refused\0"
-        "the lease expired without a new drive command: the robot is stopped\0"
-        "the robot confirmed the stop\0"
-        "game pad [A] was pressed or released\0"
-        "another client started or stopped commanding the robot\0"
-        "the robot does not move although it should, or moves again\0"
-        "the battery fell below the robot's minimum\0"
-        "the battery is critical\0"
-        "the robot accepted the new pose\0"
-        "the robot did not accept the new pose\0"
-        "the robot refused a subscription\0"
-        "the robot answers every request with the id 1\0"
-        "the clock of this machine went back\0"
-        "the robot has more services, channels or telemeters than the client stores\0"
-        "every text was read or given up\0"
-        "a text identified an input: a bumper, [A] or the battery voltage\0"
-        "arming is possible now\0"
-        "the stop sequence ended, but the robot did not confirm it";
     switch (what) {
     case ROBUROC4_NAME_SERVICE:
         return nth(
@@ -266,6 +262,26 @@ static bool same_words(piece a, piece b) {
     return roburoc4_count_word(a, NULL) == roburoc4_count_word(b, NULL);
 }
 
+/** A channel's own text, or else the manual's name for it. */
+static const char *name_of(const roburoc4_client *client, uint32_t io_type, uint32_t index,
+                           const char *const *texts, uint32_t text_count) {
+    const char *own = index < text_count && texts != NULL ? texts[index] : NULL;
+    return own != NULL && own[0] != '\0' ? own
+                                         : roburoc4_client_channel_name(client, io_type, index);
+}
+
+/** The input with a role whose name in the manual this is, or -1. */
+static int32_t find_by_role(const roburoc4_client *client, uint32_t io_type, const char *name) {
+    for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
+        const int32_t index = roburoc4_client_role_index(client, role);
+        if (roles[role].io_type == io_type && index >= 0 &&
+            same_words(piece_of(name), piece_of(table_name(io_type, roles[role].place)))) {
+            return index;
+        }
+    }
+    return -1;
+}
+
 roburoc4_result roburoc4_client_channel_find(const roburoc4_client *client, uint32_t io_type,
                                              const char *name, const char *const *texts,
                                              uint32_t text_count) {
@@ -274,19 +290,13 @@ roburoc4_result roburoc4_client_channel_find(const roburoc4_client *client, uint
     if (count < 0 || roburoc4_count_word(piece_of(name), NULL) == 0) {
         return count < 0 ? count : ROBUROC4_ERR_INDEX;
     }
-    for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
-        const int32_t index = roburoc4_client_role_index(client, role);
-        if (roles[role].io_type == io_type && index >= 0 &&
-            same_words(piece_of(name), piece_of(table_name(io_type, roles[role].place)))) {
-            return index;
-        }
+    const int32_t by_role = find_by_role(client, io_type, name);
+    if (by_role >= 0) {
+        return by_role;
     }
     for (uint32_t index = 0; index < (uint32_t)count && index < ROBUROC4_MAX_DIGITAL_INPUTS;
          index++) {
-        const char *own = index < text_count && texts != NULL ? texts[index] : NULL;
-        if (own == NULL || own[0] == '\0') {
-            own = roburoc4_client_channel_name(client, io_type, index);
-        }
+        const char *own = name_of(client, io_type, index, texts, text_count);
         if (same_words(piece_of(name), piece_of(own))) {
             if (found >= 0) {
                 return ROBUROC4_ERR_VALUE;

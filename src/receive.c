@@ -440,11 +440,8 @@ static void contradict(client *c, const uint8_t *data, size_t size, bool bad) {
     d->doubted = d->doubted && roles == d->doubted_roles;
 }
 
-static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t size) {
-    const bool bad = data[0] == ROBUROC4_HEADER_ERROR || (size >= 5 && data[4] != 0);
-    if (size < 5 && !bad) {
-        return ROBUROC4_ERR_SHORT;
-    }
+/** The request to which an answer belongs, or NULL; answers may show that all have the same id. */
+static slot *match(client *c, const uint8_t *data, size_t size) {
     const bool fixed_id = c->private_requests.fixed_id;
     slot *s = roburoc4_requests_match(&c->private_requests, data, size, c->private_timer.now_us);
     if (fixed_id != c->private_requests.fixed_id) {
@@ -453,17 +450,41 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
             roburoc4_discovery_read_texts_again(&c->private_discovery);
         }
     }
+    return s;
+}
+
+/** Store what the answer to a request says, or note why that request failed. */
+static roburoc4_result end_request(client *c, const slot *request, const uint8_t *data, size_t size,
+                                   bool bad) {
+    const roburoc4_result result = bad ? ROBUROC4_ERR_ROBOT : take_answer(c, request, data, size);
+    if (result < 0) {
+        roburoc4_schedule_failed(c, request, result);
+    }
+    if (request->ask.action == ROBUROC4_ACTION_QUERY && request->ask.detail == LIST_DIRECTORY) {
+        identify_again(c);
+    }
+    return bad ? ROBUROC4_OK : result;
+}
+
+static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t size) {
+    const bool bad = data[0] == ROBUROC4_HEADER_ERROR || (size >= 5 && data[4] != 0);
+    if (size < 5 && !bad) {
+        return ROBUROC4_ERR_SHORT;
+    }
+    slot *s = match(c, data, size);
     if (s == NULL) {
         contradict(c, data, size, bad);
         return ROBUROC4_ERR_UNMATCHED;
     }
-    const slot request = *s;
+    const slot request = *s; /* closing it, or a new state, may change the slot */
     roburoc4_drive_heard(&c->private_drive, s->sent_us);
     if (measures_round_trip(c, s, data[0])) {
         roburoc4_link_round_trip(&c->private_link, s->sent_us, c->private_timer.now_us);
     }
-    if (bad && s->ask.max_tries == REQUEST_FOREVER) {
+    if (bad) {
         count(c, ROBUROC4_COUNT_REFUSED);
+    }
+    if (bad && s->ask.max_tries == REQUEST_FOREVER) {
         return ROBUROC4_OK; /* without a directory there is no robot: the request stays open and is
                                repeated */
     }
@@ -472,20 +493,7 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
         c->private_requests.announce = 0;
         raise_event(c, ROBUROC4_EVENT_FIXED_ID);
     }
-    roburoc4_result result = ROBUROC4_OK;
-    if (bad) {
-        count(c, ROBUROC4_COUNT_REFUSED);
-        roburoc4_schedule_failed(c, &request, ROBUROC4_ERR_ROBOT);
-    } else {
-        result = take_answer(c, &request, data, size);
-        if (result < 0) {
-            roburoc4_schedule_failed(c, &request, result);
-        }
-    }
-    if (request.ask.action == ROBUROC4_ACTION_QUERY && request.ask.detail == LIST_DIRECTORY) {
-        identify_again(c);
-    }
-    return result;
+    return end_request(c, &request, data, size, bad);
 }
 
 static void count_drop(client *c, roburoc4_result why) {

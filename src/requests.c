@@ -129,6 +129,14 @@ static bool id_in_use(const requests *r, uint8_t id) {
     return false;
 }
 
+static uint8_t unused_id(requests *r) {
+    do {
+        r->last_id =
+            r->last_id >= FIRST_ID && r->last_id < LAST_ID ? (uint8_t)(r->last_id + 1) : FIRST_ID;
+    } while (id_in_use(r, r->last_id));
+    return r->last_id;
+}
+
 /** The id of the next try. */
 static uint8_t next_id(requests *r, const slot *s) {
     const bool directory =
@@ -139,14 +147,7 @@ static uint8_t next_id(requests *r, const slot *s) {
         (connecting && s->tries % MANUAL_ID_EVERY == MANUAL_ID_EVERY - 1)) {
         return ROBUROC4_HEADER_MANUAL;
     }
-    if (s->tries > 0 && s->id != ROBUROC4_HEADER_MANUAL) {
-        return s->id;
-    }
-    do {
-        r->last_id =
-            r->last_id >= FIRST_ID && r->last_id < LAST_ID ? (uint8_t)(r->last_id + 1) : FIRST_ID;
-    } while (id_in_use(r, r->last_id));
-    return r->last_id;
+    return s->tries > 0 && s->id != ROBUROC4_HEADER_MANUAL ? s->id : unused_id(r);
 }
 
 /** Use only 0x01 from now on, and close all requests but this one. A text is closed, too, as the
@@ -347,48 +348,72 @@ static void ask_single_texts(requests *r, uint32_t now_us) {
     roburoc4_requests_cancel_texts(r, LIST_DIRECTORY + 1, now_us);
 }
 
-slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint32_t now_us) {
-    slot *oldest = NULL;
-    uint32_t fitting = 0;
+/** The open requests to which a datagram without their id may belong: how many, and the oldest. */
+typedef struct candidates {
+    slot *oldest;
+    uint32_t count;
+} candidates;
+
+/** The request with the id of this datagram, or NULL and the candidates. */
+static slot *find_id(requests *r, const uint8_t *datagram, size_t size, uint32_t now_us,
+                     candidates *others) {
+    others->oldest = NULL;
+    others->count = 0;
     for (uint32_t i = 0; i < SLOTS; i++) {
         slot *s = &r->slots[i];
         if (!s->open || s->tries == 0 || !error_fits(s, datagram, size)) {
             continue;
         }
         if (datagram[0] == s->id) {
-            note_answered_id(r, s);
             return s;
         }
-        fitting++;
-        if (oldest == NULL || now_us - s->sent_us > now_us - oldest->sent_us) {
-            oldest = s;
+        others->count++;
+        if (others->oldest == NULL || now_us - s->sent_us > now_us - others->oldest->sent_us) {
+            others->oldest = s;
         }
     }
-    if (oldest == NULL && r->quiet &&
-        (r->quiet == QUIET_ALL || size < 2 || datagram[1] == ROBUROC4_ACTION_QUERY)) {
-        wait_for_copies(r, r->quiet, QUIET_US, now_us);
+    return NULL;
+}
+
+/** The request that an error without an id refuses: the oldest, unless it may be another text. */
+static slot *match_error(requests *r, const candidates *found, size_t size, uint32_t now_us) {
+    slot *s = found->oldest;
+    if (is_text(s) && (found->count > 1 || !r->single_texts)) {
+        ask_single_texts(r, now_us);
+        return NULL;
     }
-    if (oldest != NULL && datagram[0] == ROBUROC4_HEADER_ERROR) {
-        if (is_text(oldest) && (fitting > 1 || !r->single_texts)) {
-            ask_single_texts(r, now_us);
-            return NULL;
-        }
-        if (is_text(oldest) || size < 4) { /* its copies must not refuse a text */
-            roburoc4_requests_be_quiet(r, oldest, now_us);
-            note_slowest(r, oldest, now_us);
-            be_quiet_after_text(r, now_us);
-        }
+    if (is_text(s) || size < 4) { /* its copies must not refuse a text */
+        roburoc4_requests_be_quiet(r, s, now_us);
+        note_slowest(r, s, now_us);
+        be_quiet_after_text(r, now_us);
     }
-    if (oldest == NULL || datagram[0] == ROBUROC4_HEADER_ERROR) {
-        return oldest;
+    return s;
+}
+
+slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint32_t now_us) {
+    candidates found;
+    slot *s = find_id(r, datagram, size, now_us, &found);
+    if (s != NULL) {
+        note_answered_id(r, s);
+        return s;
+    }
+    if (found.oldest == NULL) {
+        if (r->quiet &&
+            (r->quiet == QUIET_ALL || size < 2 || datagram[1] == ROBUROC4_ACTION_QUERY)) {
+            wait_for_copies(r, r->quiet, QUIET_US, now_us);
+        }
+        return NULL;
+    }
+    if (datagram[0] == ROBUROC4_HEADER_ERROR) {
+        return match_error(r, &found, size, now_us);
     }
     if (datagram[0] != ROBUROC4_HEADER_MANUAL) {
         return NULL;
     }
     if (r->fixed_id) {
-        return oldest; /* it was sent with another id, to check the mode */
+        return found.oldest; /* it was sent with another id, to check the mode */
     }
-    return only_manual_id(oldest) ? go_to_fixed_id(r, oldest, now_us) : NULL;
+    return only_manual_id(found.oldest) ? go_to_fixed_id(r, found.oldest, now_us) : NULL;
 }
 
 void roburoc4_requests_close(requests *r, slot *s, uint32_t now_us) {

@@ -50,12 +50,6 @@ static uint32_t subscriptions_due(const client *c) {
                                       &c->private_discovery);
 }
 
-static bool all_declined(const client *c) {
-    return c->private_state == ROBUROC4_STATE_SUBSCRIBING &&
-           roburoc4_subscriptions_all_declined(&c->private_subscriptions, &c->private_config,
-                                               &c->private_discovery);
-}
-
 static bool open_first_insert(client *c) {
     const uint32_t service = open_first(c, ROBUROC4_ACTION_INSERT, subscriptions_due(c));
     if (service == 0) {
@@ -106,6 +100,20 @@ static bool open_probe(client *c) {
     return open_about(c, ROBUROC4_ACTION_GET, s->probe_kind, PROBE_TRIES);
 }
 
+static void text_failed(client *c, const slot *s, roburoc4_result why) {
+    discovery *d = &c->private_discovery;
+    const bool doubtful = s->ask.detail != LIST_DIRECTORY &&
+                          (c->private_requests.fixed_id || c->private_requests.single_texts);
+    if (why != ROBUROC4_ERR_ROBOT) {
+        roburoc4_discovery_text_given_up(d, s->ask.detail, s->ask.subject);
+    } else if (doubtful) {
+        roburoc4_discovery_doubt(d, s->ask.detail, s->ask.subject, TEXT_REFUSED);
+    } else {
+        roburoc4_discovery_text_refused(d, c->private_values.io_counts, s->ask.detail,
+                                        s->ask.subject);
+    }
+}
+
 void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
     discovery *d = &c->private_discovery;
     switch (s->ask.action) {
@@ -116,15 +124,7 @@ void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
         }
         break;
     case ROBUROC4_ACTION_QUERY:
-        if (why == ROBUROC4_ERR_ROBOT && s->ask.detail != LIST_DIRECTORY &&
-            (c->private_requests.fixed_id || c->private_requests.single_texts)) {
-            roburoc4_discovery_doubt(d, s->ask.detail, s->ask.subject, TEXT_REFUSED);
-        } else if (why == ROBUROC4_ERR_ROBOT) {
-            roburoc4_discovery_text_refused(d, c->private_values.io_counts, s->ask.detail,
-                                            s->ask.subject);
-        } else {
-            roburoc4_discovery_text_given_up(d, s->ask.detail, s->ask.subject);
-        }
+        text_failed(c, s, why);
         break;
     case ROBUROC4_ACTION_INSERT:
         raise_event(c, ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
@@ -140,65 +140,94 @@ void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
     }
 }
 
+static bool open_properties(client *c) {
+    return open_first(c, ROBUROC4_ACTION_GET, properties_due(&c->private_discovery)) != 0;
+}
+
+static bool open_pose(client *c) {
+    return c->private_outputs.relocalizing &&
+           open_about(c, ROBUROC4_ACTION_REPLACE, ROBUROC4_SERVICE_LOCALIZATION, REQUEST_TRIES);
+}
+
+static bool open_first_delete(client *c) {
+    return open_first(c, ROBUROC4_ACTION_DELETE, c->private_subscriptions.leaving) != 0;
+}
+
 /** Open the most urgent request that is not open yet. */
 static bool open_next(client *c) {
-    discovery *d = &c->private_discovery;
     switch (c->private_state) {
     case ROBUROC4_STATE_DISCOVERING:
-        if (!d->identified) {
+        if (!c->private_discovery.identified) {
             return open_text(c, TEXTS_OF_SERVICES);
         }
-        return open_first(c, ROBUROC4_ACTION_GET, properties_due(d)) != 0 ||
-               open_text(c, TEXTS_THAT_DECIDE);
+        return open_properties(c) || open_text(c, TEXTS_THAT_DECIDE);
     case ROBUROC4_STATE_SUBSCRIBING:
         return open_first_insert(c) || open_text(c, TEXTS_THAT_DECIDE);
     case ROBUROC4_STATE_READY:
-        return (c->private_outputs.relocalizing &&
-                open_about(c, ROBUROC4_ACTION_REPLACE, ROBUROC4_SERVICE_LOCALIZATION,
-                           REQUEST_TRIES)) ||
-               open_first(c, ROBUROC4_ACTION_GET, properties_due(d)) != 0 || open_first_insert(c) ||
-               open_first(c, ROBUROC4_ACTION_DELETE, c->private_subscriptions.leaving) != 0 ||
+        return open_pose(c) || open_properties(c) || open_first_insert(c) || open_first_delete(c) ||
                open_probe(c) || open_text(c, TEXTS_ALL);
     default: /* connecting, lost */
         return open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_FOREVER);
     }
 }
 
-/** Enter the next state if nothing remains to wait for in this one. */
-static void advance(client *c) {
+/* ---- the next state, once nothing remains to wait for in this one ---- */
+
+static void identify(client *c) {
     discovery *d = &c->private_discovery;
-    const int32_t *io_counts = c->private_values.io_counts;
-    if (c->private_state == ROBUROC4_STATE_DISCOVERING && !d->identified &&
-        (roburoc4_discovery_services_passed(d) ||
-         due(&c->private_timer, c->private_schedule.phase_us, IDENTIFY_US))) {
-        roburoc4_discovery_identify(d, &c->private_config);
-        roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_QUERY,
-                                 ROBUROC4_SERVICE_DIRECTORY);
-        if (d->service_ids[ROBUROC4_SERVICE_DIFFERENTIAL] != c->private_drive.service) {
-            roburoc4_drive_service(&c->private_drive, false, 0);
-        }
-        if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
-            memset(c->private_values.io_counts, 0, sizeof c->private_values.io_counts);
-            forget_override(c);
-        }
+    if (!roburoc4_discovery_services_passed(d) &&
+        !due(&c->private_timer, c->private_schedule.phase_us, IDENTIFY_US)) {
+        return;
     }
-    if (c->private_state == ROBUROC4_STATE_DISCOVERING && d->identified && properties_due(d) == 0) {
+    roburoc4_discovery_identify(d, &c->private_config);
+    roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_QUERY,
+                             ROBUROC4_SERVICE_DIRECTORY);
+    if (d->service_ids[ROBUROC4_SERVICE_DIFFERENTIAL] != c->private_drive.service) {
+        roburoc4_drive_service(&c->private_drive, false, 0);
+    }
+    if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
+        memset(c->private_values.io_counts, 0, sizeof c->private_values.io_counts);
+        forget_override(c);
+    }
+}
+
+static void advance_discovering(client *c) {
+    discovery *d = &c->private_discovery;
+    if (!d->identified) {
+        identify(c);
+    }
+    if (d->identified && properties_due(d) == 0) {
         if ((d->known & service_bit(ROBUROC4_SERVICE_DIFFERENTIAL)) == 0) {
             roburoc4_drive_service(&c->private_drive, false, c->private_drive.service);
         }
         roburoc4_lifecycle_enter(c, ROBUROC4_STATE_SUBSCRIBING);
     }
-    if (all_declined(c)) { /* not ready: there is no data */
-        if (due(&c->private_timer, c->private_subscriptions.refused_us, SECOND)) {
-            c->private_subscriptions.declined = 0;
-            open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, PROBE_TRIES);
-        }
-    } else if (c->private_state == ROBUROC4_STATE_SUBSCRIBING && subscriptions_due(c) == 0) {
+}
+
+static void advance_subscribing(client *c) {
+    if (subscriptions_due(c) != 0) {
+        return;
+    }
+    if (!roburoc4_subscriptions_all_declined(&c->private_subscriptions, &c->private_config,
+                                             &c->private_discovery)) {
         c->private_schedule.probe_us = c->private_timer.now_us;
         roburoc4_lifecycle_enter(c, ROBUROC4_STATE_READY);
+    } else if (due(&c->private_timer, c->private_subscriptions.refused_us, SECOND)) {
+        c->private_subscriptions.declined = 0; /* not ready: there is no data */
+        open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, PROBE_TRIES);
+    }
+}
+
+static void advance(client *c) {
+    discovery *d = &c->private_discovery;
+    if (c->private_state == ROBUROC4_STATE_DISCOVERING) {
+        advance_discovering(c);
+    }
+    if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
+        advance_subscribing(c);
     }
     if (c->private_state == ROBUROC4_STATE_READY && !d->texts_done &&
-        roburoc4_discovery_texts_passed(d, io_counts)) {
+        roburoc4_discovery_texts_passed(d, c->private_values.io_counts)) {
         d->texts_done = 1;
         raise_event(c, ROBUROC4_EVENT_DESCRIPTIONS_DONE);
     }
@@ -259,43 +288,59 @@ static roburoc4_result encode_request(const client *c, const slot *s, uint8_t *b
     return roburoc4_encode_request(buffer, capacity, &request);
 }
 
+/** Whether a request that is due may be sent: all but a pose that no longer holds. */
+static bool may_send(client *c, slot *s) {
+    if (s->ask.action != ROBUROC4_ACTION_REPLACE || pose_holds(c, s)) {
+        return true;
+    }
+    if (c->private_outputs.moved) {
+        s->open = 0;
+        roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_ERR_MOVING);
+    } /* else it may still be answered, and ends after its time */
+    return false;
+}
+
+static void give_up(client *c, const slot *s) {
+    count(c, ROBUROC4_COUNT_ABANDONED);
+    roburoc4_schedule_failed(c, s, ROBUROC4_ERR_TIMEOUT);
+    if (c->private_state != ROBUROC4_STATE_READY) {
+        /* find out whether only this service is silent */
+        open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_FOREVER);
+    }
+}
+
+/** Whether a doubted text was believed, because nothing contradicted it. */
+static bool believe(client *c) {
+    if (!c->private_discovery.doubted || c->private_requests.quiet) {
+        return false;
+    }
+    const bool found =
+        roburoc4_discovery_believe(&c->private_discovery, c->private_values.io_counts);
+    raise_event(c, found ? ROBUROC4_EVENT_ROLE : 0);
+    return true;
+}
+
 roburoc4_result roburoc4_schedule_poll(client *c, uint8_t *buffer, size_t capacity) {
-    for (;;) {
+    bool more = true;
+    while (more) {
         slot *given_up;
         advance(c);
         slot *s =
             roburoc4_requests_due(&c->private_requests, c->private_config.first_retry_ms,
                                   c->private_link.round_trip_min_us, &c->private_timer, &given_up);
-        if (s != NULL && s->ask.action == ROBUROC4_ACTION_REPLACE && !pose_holds(c, s)) {
-            if (c->private_outputs.moved) {
-                s->open = 0;
-                roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_ERR_MOVING);
-            } /* else it may still be answered, and ends after its time */
-            continue;
-        }
         if (s != NULL) {
-            if (s->tries > 1) {
-                count(c, ROBUROC4_COUNT_RETRIES);
+            if (may_send(c, s)) {
+                if (s->tries > 1) {
+                    count(c, ROBUROC4_COUNT_RETRIES);
+                }
+                return encode_request(c, s, buffer, capacity);
             }
-            return encode_request(c, s, buffer, capacity);
-        }
-        if (given_up != NULL) {
-            count(c, ROBUROC4_COUNT_ABANDONED);
-            roburoc4_schedule_failed(c, given_up, ROBUROC4_ERR_TIMEOUT);
-            if (c->private_state != ROBUROC4_STATE_READY) {
-                /* find out whether only this service is silent */
-                open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_TRIES);
-            }
-            continue;
-        }
-        if (c->private_discovery.doubted && !c->private_requests.quiet) {
-            const bool found =
-                roburoc4_discovery_believe(&c->private_discovery, c->private_values.io_counts);
-            raise_event(c, found ? ROBUROC4_EVENT_ROLE : 0);
-            continue;
-        }
-        if (!roburoc4_requests_has_room(&c->private_requests, 0) || !open_next(c)) {
-            return 0;
+        } else if (given_up != NULL) {
+            give_up(c, given_up);
+        } else {
+            more =
+                believe(c) || (roburoc4_requests_has_room(&c->private_requests, 0) && open_next(c));
         }
     }
+    return 0;
 }
