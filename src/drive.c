@@ -27,8 +27,8 @@
 #define NEW_TARGET 0.025F
 /* Far above any robot's speed, and low enough that products stay finite. */
 #define ANY_SPEED 1000.0F
-/* Of the share that keeps a curve: as exact as a float. */
-#define SHARE_BITS 24
+/* Of the share that keeps a curve: as exact as a float, also of the smallest share. */
+#define SHARE_BITS 40
 /* Widths outside of these are ignored. */
 #define WIDTH_MIN_M 0.01F
 #define WIDTH_MAX_M 10.0F
