@@ -40,6 +40,17 @@
  *               header gets the fields that it knows; ROBUROC4_SIZED() sets the size.
  *   NULL        a pointer must be valid unless its comment says that it may be NULL.
  *
+ * OPTIONS OF A BUILD
+ *
+ * For small firmwares: define them for every source file of the core. All are off by default.
+ *
+ *   ROBUROC4_NO_TEXTS       reads no texts of the robot. The configuration must say where things
+ *                           are: iocard_id, differential_id, and role_index of the override;
+ *                           without them, arm() is refused (_NO_DIFFERENTIAL, _OVERRIDE_UNKNOWN).
+ *   ROBUROC4_NO_STATISTICS  counters, loss and jitter stay 0
+ *   ROBUROC4_NO_FIXED_ID    does not connect to a robot that answers every request with 0x01, as
+ *                           the manual prints it; none is known
+ *
  * Section numbers are those of the RobuROC4 user manual, revision A.
  */
 #ifndef ROBUROC4_H

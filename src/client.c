@@ -87,7 +87,8 @@ void roburoc4_lifecycle_forget_services(client *c, uint32_t state) {
 }
 
 void roburoc4_lifecycle_connect(client *c, uint32_t state) {
-    if (c->private_requests.fixed_id) { /* texts read in that mode cannot identify a service */
+    if (in_fixed_id_mode(
+            &c->private_requests)) { /* texts read in that mode cannot identify a service */
         roburoc4_discovery_read_texts_again(&c->private_discovery);
     }
     roburoc4_requests_clear(&c->private_requests);

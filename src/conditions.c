@@ -38,13 +38,30 @@ static roburoc4_result not_fresh(const client *c, uint32_t service, roburoc4_res
                : stale;
 }
 
+/* Without texts, only the program can say which services these are, and which input is [A]. */
+
+static bool knows_differential(const client *c) {
+    return c->private_drive.known && (WITH_TEXTS || c->private_config.differential_id >= 0);
+}
+
+static bool knows_override(const client *c) {
+    return c->private_conditions.override_known &&
+           (WITH_TEXTS || (c->private_config.iocard_id >= 0 &&
+                           c->private_config.role_index[ROBUROC4_ROLE_OVERRIDE] >= 0));
+}
+
+static bool commanded_by_another(const client *c) {
+    return c->private_drive.other_commander &&
+           (c->private_config.options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0;
+}
+
 /** Why driving is not allowed now, or 0. */
 static roburoc4_result refusal(const client *c, uint64_t now_us, timer *t) {
     const uint32_t options = c->private_config.options;
     if (c->private_state != ROBUROC4_STATE_READY) {
         return ROBUROC4_ERR_NOT_READY;
     }
-    if (!c->private_drive.known) {
+    if (!knows_differential(c)) {
         return ROBUROC4_ERR_NO_DIFFERENTIAL;
     }
     if (!roburoc4_drive_limits_valid(&c->private_values.limits)) {
@@ -57,18 +74,14 @@ static roburoc4_result refusal(const client *c, uint64_t now_us, timer *t) {
         if (!fresh(c, ROBUROC4_SERVICE_IOCARD, now_us, t)) {
             return not_fresh(c, ROBUROC4_SERVICE_IOCARD, ROBUROC4_ERR_STALE_IOCARD);
         }
-        if (!c->private_conditions.override_known) {
+        if (!knows_override(c)) {
             return ROBUROC4_ERR_OVERRIDE_UNKNOWN;
         }
     }
     if (c->private_conditions.overridden) {
         return ROBUROC4_ERR_OVERRIDE;
     }
-    if (c->private_drive.other_commander &&
-        (options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
-        return ROBUROC4_ERR_OTHER_COMMANDER;
-    }
-    return ROBUROC4_OK;
+    return commanded_by_another(c) ? ROBUROC4_ERR_OTHER_COMMANDER : ROBUROC4_OK;
 }
 
 roburoc4_result roburoc4_conditions_refusal(const client *c, uint64_t now_us) {
@@ -94,7 +107,8 @@ void roburoc4_conditions_watch_arming(client *c) {
 void roburoc4_conditions_tick(client *c) {
     timer *t = &c->private_timer;
     timer unarmed = *t; /* whether its statuses become stale is asked when it is to be armed */
-    if (c->private_requests.fixed_id) { /* an answer does not prove when its request arrived */
+    if (in_fixed_id_mode(
+            &c->private_requests)) { /* an answer does not prove when its request arrived */
         roburoc4_drive_heard(&c->private_drive, t->now_us);
     }
     roburoc4_drive_tick(&c->private_drive, &c->private_config,

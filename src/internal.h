@@ -34,6 +34,24 @@ typedef roburoc4_private_values values;
 #define STATUS_SERVICES 5
 #define STATUS_INDEX(service) ((service)-ROBUROC4_SERVICE_IOCARD)
 
+/* ---- options of a build: roburoc4.h says what each does ---- */
+
+#ifdef ROBUROC4_NO_TEXTS
+#define WITH_TEXTS false
+#else
+#define WITH_TEXTS true
+#endif
+#ifdef ROBUROC4_NO_STATISTICS
+#define WITH_STATISTICS false
+#else
+#define WITH_STATISTICS true
+#endif
+#ifdef ROBUROC4_NO_FIXED_ID
+#define WITH_FIXED_ID false
+#else
+#define WITH_FIXED_ID true
+#endif
+
 /* ---- time ---- */
 
 /* No age is longer than this. */
@@ -95,6 +113,10 @@ typedef roburoc4_private_ask ask;
 typedef roburoc4_private_slot slot;
 typedef roburoc4_private_requests requests;
 
+/** Whether the robot answers every request with 0x01. */
+static inline bool in_fixed_id_mode(const requests *r) {
+    return WITH_FIXED_ID && r->fixed_id;
+}
 /** Close all requests and leave fixed-id mode. `announce` is set on entering that mode; the client
  * clears it. */
 void roburoc4_requests_clear(requests *r);
@@ -320,7 +342,9 @@ static inline uint64_t lowest_bits(uint32_t count) {
 }
 
 static inline void count(roburoc4_client *c, uint32_t counter) {
-    c->private_counters[counter]++;
+    if (WITH_STATISTICS) {
+        c->private_counters[counter]++;
+    }
 }
 
 static inline void raise_event(roburoc4_client *c, uint32_t event) {
@@ -342,7 +366,8 @@ static inline void forget_override(roburoc4_client *c) {
 /** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. */
 static inline roburoc4_result index_of_role(const roburoc4_client *c, uint32_t role) {
     return roburoc4_discovery_role(&c->private_discovery, &c->private_config,
-                                   c->private_values.io_counts, role, c->private_requests.fixed_id);
+                                   c->private_values.io_counts, role,
+                                   in_fixed_id_mode(&c->private_requests));
 }
 
 /* How long to wait for the texts of the directory before services without one are left out. */

@@ -131,7 +131,7 @@ static void learn_period(service *s, uint16_t gap) {
 
 static void count_gap(service *s, uint64_t gap) {
     s->seen = gap < SEEN_BITS ? s->seen << gap | 1 : 1;
-    if (gap > LONGEST_GAP) {
+    if (!WITH_STATISTICS || gap > LONGEST_GAP) {
         return;
     }
     learn_period(s, (uint16_t)gap);
@@ -377,11 +377,15 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
     if (s->seen == 0) {
         s->seen = 1;
     } else if (robot_cycles <= s->robot_cycles) {
-        late(s, robot_cycles);
+        if (WITH_STATISTICS) {
+            late(s, robot_cycles);
+        }
         return VERDICT_OLD;
     } else {
         count_gap(s, robot_cycles - s->robot_cycles);
-        measure_jitter(s, transit);
+        if (WITH_STATISTICS) {
+            measure_jitter(s, transit);
+        }
     }
     learn_times(l, s, transit, newest, now_us);
     s->received++;

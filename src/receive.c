@@ -350,10 +350,10 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
 
 static void take_text(client *c, const slot *s, const roburoc4_text *text) {
     discovery *d = &c->private_discovery;
-    if (c->private_requests.fixed_id && s->ask.detail == LIST_DIRECTORY) {
+    if (in_fixed_id_mode(&c->private_requests) && s->ask.detail == LIST_DIRECTORY) {
         /* in fixed-id mode a late text may belong to another request: it identifies no service */
         roburoc4_discovery_doubtful_text(d, s->ask.subject);
-    } else if (c->private_requests.fixed_id) {
+    } else if (in_fixed_id_mode(&c->private_requests)) {
         roburoc4_discovery_doubt(d, s->ask.detail, s->ask.subject,
                                  roburoc4_discovery_roles(s->ask.detail, text->text, text->length));
     } else if (roburoc4_discovery_text(d, s->ask.detail, s->ask.subject, text->text,
@@ -391,8 +391,8 @@ static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data
         }
         break;
     case ROBUROC4_ACTION_QUERY:
-        result = roburoc4_decode_text(data, size, &text);
-        if (result >= 0) {
+        result = WITH_TEXTS ? roburoc4_decode_text(data, size, &text) : ROBUROC4_ERR_KIND;
+        if (WITH_TEXTS && result >= 0) {
             take_text(c, s, &text);
         }
         break;
@@ -417,7 +417,7 @@ static bool measures_round_trip(const client *c, const slot *s, uint8_t id) {
     if (id != s->id || (s->tries > 1 && s->ask.max_tries == REQUEST_FOREVER)) {
         return false;
     }
-    return !c->private_requests.fixed_id ||
+    return !in_fixed_id_mode(&c->private_requests) ||
            (s->tries == 1 && s->ask.action == ROBUROC4_ACTION_GET &&
             c->private_state == ROBUROC4_STATE_READY &&
             c->private_timer.now_us - c->private_schedule.phase_us >= LATE_ANSWER_US);
@@ -442,9 +442,9 @@ static void contradict(client *c, const uint8_t *data, size_t size, bool bad) {
 
 /** The request to which an answer belongs, or NULL; answers may show that all have the same id. */
 static slot *match(client *c, const uint8_t *data, size_t size) {
-    const bool fixed_id = c->private_requests.fixed_id;
+    const bool fixed_id = in_fixed_id_mode(&c->private_requests);
     slot *s = roburoc4_requests_match(&c->private_requests, data, size, c->private_timer.now_us);
-    if (fixed_id != c->private_requests.fixed_id) {
+    if (fixed_id != in_fixed_id_mode(&c->private_requests)) {
         forget_override(c); /* other texts are believed now */
         if (fixed_id) {
             roburoc4_discovery_read_texts_again(&c->private_discovery);
@@ -460,7 +460,8 @@ static roburoc4_result end_request(client *c, const slot *request, const uint8_t
     if (result < 0) {
         roburoc4_schedule_failed(c, request, result);
     }
-    if (request->ask.action == ROBUROC4_ACTION_QUERY && request->ask.detail == LIST_DIRECTORY) {
+    if (WITH_TEXTS && request->ask.action == ROBUROC4_ACTION_QUERY &&
+        request->ask.detail == LIST_DIRECTORY) {
         identify_again(c);
     }
     return bad ? ROBUROC4_OK : result;
@@ -473,7 +474,9 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
     }
     slot *s = match(c, data, size);
     if (s == NULL) {
-        contradict(c, data, size, bad);
+        if (WITH_TEXTS) {
+            contradict(c, data, size, bad);
+        }
         return ROBUROC4_ERR_UNMATCHED;
     }
     const slot request = *s; /* closing it, or a new state, may change the slot */

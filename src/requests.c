@@ -47,7 +47,7 @@ static bool is_text(const slot *s) {
 
 /** Whether answers do not tell which text they are, or which one they refuse. */
 static bool texts_are_doubtful(const requests *r) {
-    return r->fixed_id || r->single_texts;
+    return in_fixed_id_mode(r) || r->single_texts;
 }
 
 static bool text_open(const requests *r) {
@@ -73,7 +73,7 @@ bool roburoc4_requests_has_room(const requests *r, uint32_t keep) {
     for (uint32_t i = 0; i < SLOTS; i++) {
         open += r->slots[i].open;
     }
-    if (r->fixed_id) {
+    if (in_fixed_id_mode(r)) {
         return open == 0 && r->quiet < QUIET_ALL;
     }
     return open + keep < SLOTS;
@@ -143,7 +143,7 @@ static uint8_t next_id(requests *r, const slot *s) {
         s->ask.action == ROBUROC4_ACTION_GET && s->ask.kind == ROBUROC4_SERVICE_DIRECTORY;
     const bool connecting = directory && s->ask.max_tries == REQUEST_FOREVER;
     const bool doubting = directory && s->tries == 0;
-    if ((r->fixed_id && !doubting) ||
+    if ((in_fixed_id_mode(r) && !doubting) ||
         (connecting && s->tries % MANUAL_ID_EVERY == MANUAL_ID_EVERY - 1)) {
         return ROBUROC4_HEADER_MANUAL;
     }
@@ -228,13 +228,18 @@ static uint32_t wait_us(const requests *r, const slot *s, uint32_t longest_us,
     if (texts_are_doubtful(r) && is_text(s)) {
         return retry_us(PATIENCE * longest_us, s->tries);
     }
-    return r->fixed_id ? retry_us(slower(longest_us, r), s->tries)
-                       : usual_wait_us(s, longest_us, round_trip_us);
+    return in_fixed_id_mode(r) ? retry_us(slower(longest_us, r), s->tries)
+                               : usual_wait_us(s, longest_us, round_trip_us);
 }
 
 static bool tries_used_up(const slot *s, uint32_t end_us, uint32_t now_us) {
     return s->ask.max_tries != REQUEST_FOREVER && s->tries >= s->ask.max_tries &&
            now_us - s->sent_us >= end_us;
+}
+
+static bool fixed_id_is_next(const requests *r, const slot *s) {
+    return WITH_FIXED_ID && !in_fixed_id_mode(r) && r->id_mode == ANSWERED_MANUAL_ID &&
+           s->tries >= FIXED_AFTER;
 }
 
 slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round_trip_us, timer *t,
@@ -257,7 +262,7 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round
         }
         return NULL;
     }
-    if (!r->fixed_id && r->id_mode == ANSWERED_MANUAL_ID && s->tries >= FIXED_AFTER) {
+    if (fixed_id_is_next(r, s)) {
         s = go_to_fixed_id(r, s, t->now_us); /* only 0x01 was answered so far */
         if (s == NULL) {
             return NULL;
@@ -410,10 +415,11 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
     if (datagram[0] != ROBUROC4_HEADER_MANUAL) {
         return NULL;
     }
-    if (r->fixed_id) {
+    if (in_fixed_id_mode(r)) {
         return found.oldest; /* it was sent with another id, to check the mode */
     }
-    return only_manual_id(found.oldest) ? go_to_fixed_id(r, found.oldest, now_us) : NULL;
+    return WITH_FIXED_ID && only_manual_id(found.oldest) ? go_to_fixed_id(r, found.oldest, now_us)
+                                                         : NULL;
 }
 
 void roburoc4_requests_close(requests *r, slot *s, uint32_t now_us) {
@@ -421,7 +427,7 @@ void roburoc4_requests_close(requests *r, slot *s, uint32_t now_us) {
     if (r->single_texts && is_text(s)) {
         note_slowest(r, s, now_us);
     }
-    if (!r->fixed_id) {
+    if (!in_fixed_id_mode(r)) {
         return;
     }
     if (s->ask.max_tries != REQUEST_FOREVER) {

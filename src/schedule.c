@@ -63,7 +63,7 @@ static bool open_first_insert(client *c) {
 static bool open_text(client *c, text_choice choice) {
     discovery *d = &c->private_discovery;
     ask a;
-    if ((d->texts_done && !d->text_due) ||
+    if (!WITH_TEXTS || (d->texts_done && !d->text_due) ||
         !roburoc4_requests_has_room_for_text(&c->private_requests) ||
         !roburoc4_discovery_next_text(d, &c->private_requests, c->private_values.io_counts, choice,
                                       &a)) {
@@ -82,12 +82,13 @@ static bool open_probe(client *c) {
         return false;
     }
     s->probe_us = c->private_timer.now_us;
-    if (!c->private_drive.lease_active) {
+    if (WITH_TEXTS && !c->private_drive.lease_active) {
         roburoc4_discovery_ask_again(d, c->private_values.io_counts);
     }
     if (s->probe_kind == 0) {
         c->private_subscriptions.declined = 0;
-        if (c->private_requests.fixed_id && index_of_role(c, ROBUROC4_ROLE_OVERRIDE) < 0 &&
+        if (in_fixed_id_mode(&c->private_requests) &&
+            index_of_role(c, ROBUROC4_ROLE_OVERRIDE) < 0 &&
             roburoc4_discovery_inputs_passed(d, c->private_values.io_counts)) {
             roburoc4_discovery_forget_inputs(d);
             /* every answer may have been matched to the request after its own */
@@ -102,8 +103,9 @@ static bool open_probe(client *c) {
 
 static void text_failed(client *c, const slot *s, roburoc4_result why) {
     discovery *d = &c->private_discovery;
-    const bool doubtful = s->ask.detail != LIST_DIRECTORY &&
-                          (c->private_requests.fixed_id || c->private_requests.single_texts);
+    const bool doubtful =
+        s->ask.detail != LIST_DIRECTORY &&
+        (in_fixed_id_mode(&c->private_requests) || c->private_requests.single_texts);
     if (why != ROBUROC4_ERR_ROBOT) {
         roburoc4_discovery_text_given_up(d, s->ask.detail, s->ask.subject);
     } else if (doubtful) {
@@ -124,7 +126,9 @@ void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
         }
         break;
     case ROBUROC4_ACTION_QUERY:
-        text_failed(c, s, why);
+        if (WITH_TEXTS) {
+            text_failed(c, s, why);
+        }
         break;
     case ROBUROC4_ACTION_INSERT:
         raise_event(c, ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
@@ -175,7 +179,7 @@ static bool open_next(client *c) {
 
 static void identify(client *c) {
     discovery *d = &c->private_discovery;
-    if (!roburoc4_discovery_services_passed(d) &&
+    if (WITH_TEXTS && !roburoc4_discovery_services_passed(d) &&
         !due(&c->private_timer, c->private_schedule.phase_us, IDENTIFY_US)) {
         return;
     }
@@ -227,7 +231,7 @@ static void advance(client *c) {
         advance_subscribing(c);
     }
     if (c->private_state == ROBUROC4_STATE_READY && !d->texts_done &&
-        roburoc4_discovery_texts_passed(d, c->private_values.io_counts)) {
+        (!WITH_TEXTS || roburoc4_discovery_texts_passed(d, c->private_values.io_counts))) {
         d->texts_done = 1;
         raise_event(c, ROBUROC4_EVENT_DESCRIPTIONS_DONE);
     }
@@ -311,7 +315,7 @@ static void give_up(client *c, const slot *s) {
 
 /** Whether a doubted text was believed, because nothing contradicted it. */
 static bool believe(client *c) {
-    if (!c->private_discovery.doubted || c->private_requests.quiet) {
+    if (!WITH_TEXTS || !c->private_discovery.doubted || c->private_requests.quiet) {
         return false;
     }
     const bool found =

@@ -218,7 +218,7 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     f.overridden = c->private_conditions.overridden;
     f.other_commander = d->other_commander;
     f.inhibited = d->inhibited;
-    f.fixed_id = c->private_requests.fixed_id;
+    f.fixed_id = in_fixed_id_mode(&c->private_requests);
     f.front_bumper = bumper(c, ROBUROC4_ROLE_FRONT_BUMPER, &f.front_bumper_known);
     f.rear_bumper = bumper(c, ROBUROC4_ROLE_REAR_BUMPER, &f.rear_bumper_known);
     f.descriptions_done = c->private_discovery.texts_done;
