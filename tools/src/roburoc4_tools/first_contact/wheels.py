@@ -146,8 +146,7 @@ def reports(s: Session) -> None:
     """Find out how late, how noisy and how often the reported speeds are measured."""
     s.begin()
     s.stop()
-    s.clock.clear()
-    s.subscribe("iocard", 50, CLOCK_PORT)
+    _hear_clock(s)
     s.subscribe("differential", 1)
     speed = _speed(s, 0)
     s.pump(1.0)
@@ -176,6 +175,12 @@ def reports(s: Session) -> None:
     _keep_refresh(s)
     s.stop()
     s.unsubscribe("differential")
+
+
+def _hear_clock(s: Session) -> None:
+    """Hear the robot's clock until the restart, from here on if that was not begun yet."""
+    if not s.clock:
+        s.subscribe("iocard", 50, CLOCK_PORT)
 
 
 def _differential(s: Session) -> list[wire.Status]:
@@ -222,6 +227,7 @@ def _keep_refresh(s: Session) -> None:
 def watchdog(s: Session) -> None:
     """Fall silent in mid-drive, and see when the wheels stop by themselves."""
     s.begin()
+    _hear_clock(s)
     speed = _speed(s, 0)
     s.stop()
     _settle(s, (speed, 0.0))
@@ -352,7 +358,7 @@ def motors(s: Session) -> None:
 
 def _keep_clock(s: Session) -> None:
     """Compare the robot's clock with ours, by the quickest statuses of begin and end."""
-    if len(s.clock) < 60:
+    if len(s.clock) < 40:
         return
     first = s.clock[0][1]  # robots count further than floats do
     ends = [
