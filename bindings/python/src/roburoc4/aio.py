@@ -16,14 +16,14 @@ import contextlib
 import threading
 import weakref
 from collections.abc import AsyncIterator, Callable, Generator
-from inspect import isawaitable, iscoroutinefunction
+from inspect import iscoroutinefunction
 from typing import Any, Literal, Self, TypeVar, Unpack, overload
 
 from . import _native
 from .connection import ALL_EVENTS, Connection, EventReader
 from .constants import DEFAULT_HOST, Event, Service
 from .errors import ClosedError, duration_s, finite, function, switch, timeout_s
-from .moves import STEP_S, Move, MoveOptions, MoveResult, Progress, arc_options
+from .moves import Move, MoveOptions, MoveResult, Progress, arc_options
 from .pump import PumpConnection
 from .records import (
     BatteryStatus,
@@ -33,9 +33,10 @@ from .records import (
     Status,
     TelemeterStatus,
 )
-from .robot_base import LOOK_AGAIN_S, RELOCALIZE_S, RobotBase, name_of, true_or_unknown
+from .robot_base import RELOCALIZE_S, RobotBase, true_or_unknown
 from .samples import EventQueue, Patience, Reader, Recording, mask_of, name_of_statuses
 from .settings import Settings, service_of
+from .waiting import LOOK_AGAIN_S, Steps, arming, going, until
 
 __all__ = ["Events", "Robot", "Statuses", "connect"]
 
@@ -135,13 +136,20 @@ class Robot(RobotBase):
     async def _wait_until(
         self, condition: Callable[[], _T], timeout: float | None, what: object
     ) -> _T:
+        return await self._wait(until(self._connection, condition, timeout, what))
+
+    async def _wait(self, steps: Steps[_T]) -> _T:
         reader = self._connection.reader()
-        patience = Patience(self._connection.now_s, timeout, name_of(what))
-        while True:
-            reader.take_events()
-            if found := condition():
-                return found
-            await self._bell.wait(min(patience.left_s(), LOOK_AGAIN_S))
+        try:
+            while True:
+                reader.take_events()  # raises ClosedError after the end
+                wish = next(steps)
+                await (self._bell.wait(wish) if isinstance(wish, float | int) else wish)
+        except StopIteration as end:
+            result: _T = end.value
+            return result
+        finally:
+            steps.close()
 
     async def wait_ready(self, timeout: float = 10.0) -> None:
         """Wait until the robot is ready and has sent statuses; close and raise after silence."""
@@ -203,8 +211,7 @@ class Robot(RobotBase):
     async def arm(self, timeout: float = 5.0) -> None:
         """Allow driving, or raise NotArmedError; see :meth:`roburoc4.Robot.arm`."""
         end_s, stops = self._connection.now_s() + timeout_s(timeout), self._stops
-        while left_s := self._try_to_arm(end_s, stops):
-            await self._bell.wait(min(left_s, LOOK_AGAIN_S))
+        await self._wait(arming(lambda: self._try_to_arm(end_s, stops)))
 
     async def drive_for(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> None:
         """See :meth:`roburoc4.Robot.drive_for`; cancelling it stops the robot."""
@@ -305,16 +312,7 @@ class Robot(RobotBase):
             return await self._finish(move, on_progress)
 
     async def _finish(self, move: Move, on_progress: Progress | None = None) -> MoveResult:
-        try:
-            while move.step():
-                if on_progress is not None:
-                    shown = on_progress(move.now())
-                    if isawaitable(shown):
-                        await shown
-                await self._bell.wait(STEP_S)
-        finally:
-            move.cancel()
-        return move.end()
+        return await self._wait(going(move, on_progress))
 
     async def relocalize(self, x_m: float, y_m: float, theta_rad: float) -> None:
         """Set the robot's pose; wait for its answer and for a pose that follows it."""

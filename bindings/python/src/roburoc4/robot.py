@@ -20,7 +20,7 @@ from .errors import (
     switch,
     timeout_s,
 )
-from .moves import STEP_S, Move, MoveOptions, MoveResult, Progress, arc_options
+from .moves import Move, MoveOptions, MoveResult, Progress, arc_options
 from .pump import PumpConnection
 from .records import (
     BatteryStatus,
@@ -31,17 +31,14 @@ from .records import (
     TelemeterStatus,
 )
 from .robot_base import (
-    LOOK_AGAIN_S,
     RELOCALIZE_S,
     RobotBase,
     in_condition,
-    name_of,
     true_or_unknown,
 )
 from .samples import (
     EventQueue,
     Events,
-    Patience,
     Reader,
     Recording,
     Statuses,
@@ -50,6 +47,7 @@ from .samples import (
 )
 from .settings import Settings, service_of
 from .udp import SocketConnection
+from .waiting import Steps, arming, going, until
 
 __all__ = ["ManualRobot", "Robot", "connect"]
 
@@ -80,13 +78,21 @@ class Robot(RobotBase):
     # ---- waiting ----
 
     def _wait_until(self, condition: Callable[[], _T], timeout: float | None, what: object) -> _T:
+        return self._wait(until(self._connection, condition, timeout, what))
+
+    def _wait(self, steps: Steps[_T]) -> _T:
         reader = self._connection.reader()
-        patience = Patience(self._connection.now_s, timeout, name_of(what))
-        while True:
-            reader.take_events()
-            if found := condition():
-                return found
-            reader.wait(ALL_EVENTS, min(patience.left_s(), LOOK_AGAIN_S))
+        try:
+            while True:
+                reader.take_events()
+                wish = next(steps)
+                if isinstance(wish, float | int):
+                    reader.wait(ALL_EVENTS, wish)
+        except StopIteration as end:
+            result: _T = end.value
+            return result
+        finally:
+            steps.close()
 
     def wait_ready(self, timeout: float = 10.0) -> None:
         """Wait until the robot is ready, as ``connect`` does; close and raise after silence."""
@@ -172,10 +178,7 @@ class Robot(RobotBase):
         ``stop`` from another thread ends the wait.
         """
         end_s, stops = self._connection.now_s() + timeout_s(timeout), self._stops
-        reader = self._connection.reader()
-        while left_s := self._try_to_arm(end_s, stops):
-            reader.take_events()
-            reader.wait(ALL_EVENTS, min(left_s, LOOK_AGAIN_S))
+        self._wait(arming(lambda: self._try_to_arm(end_s, stops)))
 
     def drive_for(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> None:
         """Drive for this time, then pause. Blocks, and renews the command from this thread.
@@ -308,16 +311,7 @@ class Robot(RobotBase):
             return self._finish(move, on_progress)
 
     def _finish(self, move: Move, on_progress: Progress | None = None) -> MoveResult:
-        reader = self._connection.reader()
-        try:
-            while move.step():
-                if on_progress is not None:
-                    on_progress(move.now())
-                reader.take_events()
-                reader.wait(ALL_EVENTS, STEP_S)
-        finally:
-            move.cancel()
-        return move.end()
+        return self._wait(going(move, on_progress))
 
     # ---- odometry ----
 

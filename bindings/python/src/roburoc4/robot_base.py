@@ -402,8 +402,6 @@ RELOCALIZE_S = 3.0
 """Longer than the client's own timeout (2 s)."""
 in_condition = ContextVar("in_condition", default=False)
 """Whether a condition of wait_for is being evaluated: then properties do not wait."""
-LOOK_AGAIN_S = 0.1
-"""Conditions are evaluated after every event, and this often because some depend on time alone."""
 
 
 def true_or_unknown(condition: Callable[[_R], object], robot: _R) -> Callable[[], object]:
