@@ -354,8 +354,7 @@ TEST(ErrorTelegram, RefusesNoTextFasterThanTheRobotGivesTexts) {
     ScriptedRobot robot;
     robot.error_header = true;
     const Bytes refusal = plain_answer(0, ROBUROC4_ACTION_QUERY, 2, 2);
-    std::map<std::uint64_t, Bytes> late;
-    std::vector<std::uint32_t> asked;
+    std::vector<std::int32_t> asked;
     robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &) {
         if (r.action != ROBUROC4_ACTION_QUERY || r.service == 0)
             return false;
@@ -371,11 +370,11 @@ TEST(ErrorTelegram, RefusesNoTextFasterThanTheRobotGivesTexts) {
         ASSERT_TRUE(bench.run_until([&] { return !asked.empty(); }));
     };
     ASSERT_NO_FATAL_FAILURE(wait_for_text());
-    const std::uint32_t refused = asked.back();
+    const std::int32_t refused = asked.back();
     bench.run(2 * second);
     bench.receive(refusal);
     ASSERT_NO_FATAL_FAILURE(wait_for_text());
-    const std::uint32_t next = asked.back();
+    const std::int32_t next = asked.back();
     ASSERT_NE(refused, next);
     bench.run(20 * ms);
     bench.receive(refusal); /* the last copy */
@@ -390,7 +389,7 @@ TEST(ErrorTelegram, RefusesNoTextFasterThanTheRobotGivesTexts) {
 /** A copy of its refusal, which names nothing, comes when a text was just requested. */
 TEST(ErrorTelegram, OfAnotherRequestRefusesNoText) {
     ScriptedRobot robot;
-    std::vector<std::uint32_t> asked;
+    std::vector<std::int32_t> asked;
     robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &answers) {
         const bool text = r.action == ROBUROC4_ACTION_QUERY && r.service != 0;
         if (text)
@@ -411,7 +410,7 @@ TEST(ErrorTelegram, OfAnotherRequestRefusesNoText) {
     bench.receive({0});
     bench.run(4 * second);
     ASSERT_FALSE(asked.empty());
-    for (const std::uint32_t index : asked)
+    for (const std::int32_t index : asked)
         EXPECT_EQ(asked.front(), index) << "nobody has refused it";
 }
 
