@@ -167,7 +167,8 @@ roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lea
     }
     if (!d->lease_active) {
         d->heard_us = now_us; /* from now on, the robot must be heard to receive */
-        memset(d->echoed, 0, sizeof d->echoed);
+        d->echoed[LINEAR] = 0;
+        d->echoed[ANGULAR] = 0;
     }
     memcpy(d->target, bounded, sizeof bounded);
     d->lease_active = 1;

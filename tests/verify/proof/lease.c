@@ -33,6 +33,11 @@ int differ(const float *one, const float *other);
 static bool lease_over(const drive *d, timer *t);
 
 /* These only compute: that they assign no more than this is assumed, not proved. */
+/*@ assigns t->wait_us;
+    ensures \result != 0 <==> (uint32_t)(t->now_us - since_us) >= span_us; */
+static bool due(timer *t, uint32_t since_us, uint32_t span_us);
+/*@ assigns \nothing; */
+static uint32_t uplink_limit_us(const roburoc4_config *config);
 /*@ assigns \nothing; */
 static bool is_zero(float value);
 /*@ assigns \nothing; */
@@ -78,7 +83,8 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
 roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
                                      uint32_t now_us);
 
-/*@ requires \valid(d) && \valid(events) && \valid(t) && \separated(d, events, t);
+/*@ requires \valid(d) && \valid(events) && \valid(t) && \valid_read(config) &&
+        \separated(d, events, t, config);
     ensures a_lease_ends: \old(d->lease_active) != 0 &&
         (uint32_t)(t->now_us - \old(d->granted_us)) >= \old(d->lease_us) ==> d->lease_active == 0;
     ensures a_refusal_disarms: refusal < 0 ==> d->armed == 0;
