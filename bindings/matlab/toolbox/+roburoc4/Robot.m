@@ -22,10 +22,17 @@ classdef Robot < handle
 %                                2550, or 0 for never
 %      buffer (50000)            statuses that are kept for record and log, 16 to 1000000
 %      record                    file (.pcapng) in which every datagram is recorded, or a folder
-%      fresh_ms (300), lost_ms (1000), first_retry_ms (100), robot_watchdog_ms (1000),
-%      lapse_disarm_ms (1000), iocard_id, differential_id,
-%      override_index, front_bumper_index, rear_bumper_index, battery_voltage_index,
-%      allow_unknown_override, ignore_other_commander     see docs/matlab.md
+%      fresh_ms (300)            maximum age of a status that counts for driving, pose and speeds,
+%                                50 to 1000
+%      lost_ms (1000)            silence after which the robot is lost, 200 to 60000
+%      first_retry_ms (100)      a request is repeated after this, 10 to 100
+%      robot_watchdog_ms (1000)  the robot's own watchdog, 100 to 60000
+%      lapse_disarm_ms (1000)    a lease that expired disarms after this, 0 to 60000
+%      iocard_id, differential_id, override_index, front_bumper_index, rear_bumper_index,
+%      battery_voltage_index (-1: find it)   id of a service or index of an input, where the
+%                                robot's types and texts do not tell
+%      allow_unknown_override (false), ignore_other_commander (false)   weaken a protection: read
+%                                docs/SAFETY.md
 %
 %   A native thread keeps the link alive whatever MATLAB does. It never renews a drive command: the
 %   robot stops when drive is not called again within lease_ms, and is disarmed a second later. It
