@@ -158,6 +158,9 @@ static void limit_ages(client *c, uint64_t now_us) {
     const uint64_t passed_us = now_us - c->private_now_us;
     for (uint32_t i = 0; i < sizeof stamps / sizeof stamps[0]; i++) {
         uint32_t *stamp = stamp_at(c, i);
+        if (stamp == &c->private_outputs.relocalize_us && !c->private_outputs.relocalizing) {
+            continue; /* moves see by its value that the robot was relocalized */
+        }
         const uint64_t age_us = (c->private_timer.now_us - *stamp) + passed_us;
         *stamp = (uint32_t)now_us - (age_us < OLDEST_US ? (uint32_t)age_us : OLDEST_US);
     }

@@ -377,6 +377,13 @@ TEST_F(Moving, WithoutLocalizationSpeedsAreIntegrated) {
     EXPECT_EQ(ROBUROC4_MOVE_LOST, go());
 }
 
+TEST_F(Move, IsNotEndedByThePassingOfTime) {
+    pass((std::uint64_t{1} << 30) - now()); /* when old times are limited to that age */
+    arm();
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(3.0F)) << move.cause;
+    EXPECT_NEAR(3.0, ahead(), 0.02);
+}
+
 TEST_F(Move, ARelocalizationEndsIt) {
     for (const double shift : {0.001, 0.1, 5.0}) {
         EXPECT_EQ(ROBUROC4_MOVE_RELOCALIZED, interrupted_by([&] {
