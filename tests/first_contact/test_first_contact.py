@@ -3,9 +3,12 @@
 
 import json
 import os
+import struct
 import sys
 import unittest
+from contextlib import suppress
 from pathlib import Path
+from unittest import mock
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -13,9 +16,20 @@ from family import contact_with, wrong
 from member import Library, VirtualWorld
 
 from roburoc4_tools.first_contact.contact import Contact
+from roburoc4_tools.first_contact.session import ReleasedError, Session
 
 DRIVEN, REFUSED = 10, 7
 """Seeds: a robot that is driven to the end, and one that does not report its inputs."""
+
+
+def commands(s: Session) -> list[tuple[float, tuple[float, float]]]:
+    """Return all speeds that were sent, and when."""
+    head = b"\xff" + s.ids["differential"].to_bytes(2, "little")
+    return [
+        (at_s, struct.unpack_from("<2f", data, 3))
+        for at_s, _port, out, data in s.log
+        if out and data[:3] == head
+    ]
 
 
 class FirstContact(unittest.TestCase):
@@ -27,6 +41,15 @@ class FirstContact(unittest.TestCase):
     def contact(self, seed: int, **changes: float) -> Contact:
         config, drawn = self.library.member(seed, **changes)
         return Contact(VirtualWorld(self.library, config, bool(drawn["other_status_port"])))
+
+    def driving(self) -> Session:
+        """Return a session in which the robot drives."""
+        contact = self.contact(DRIVEN)
+        for step in contact.steps():
+            if step.name == "responses":
+                break
+        contact.session.run(1.0, (0.1, 0.0))
+        return contact.session
 
     def test_what_is_measured_is_what_was_drawn(self) -> None:
         for seed in (0, 2, 3, 5, DRIVEN, 11, 47):
@@ -74,14 +97,37 @@ class FirstContact(unittest.TestCase):
                 break
         assert "again" in world.asked
         let_go_s = world.let_go_at_s
-        head = b"\xff" + s.ids["differential"].to_bytes(2, "little")
-        sent = [
-            (at_s, data[3:] != bytes(8))
-            for at_s, _port, out, data in s.log
-            if out and data[:3] == head and let_go_s < at_s < world.held_again_s
-        ]
+        sent = [v for at_s, v in commands(s) if let_go_s < at_s < world.held_again_s]
         assert len(sent) > 3
-        assert not any(moves for _at_s, moves in sent)
+        assert not any(map(any, sent))
+
+    def test_letting_go_stops_the_robot_while_no_commands_are_sent_too(self) -> None:
+        s = self.driving()
+        s.world.let_go_at_s = s.world.now_s + 0.2
+        with suppress(ReleasedError):
+            s.run(2.0, None)
+        after = [speeds for at_s, speeds in commands(s) if at_s > s.world.let_go_at_s]
+        assert len(after) > 3
+        assert not any(map(any, after))
+
+    def test_all_zeros_are_sent_however_often_somebody_interrupts(self) -> None:
+        s = self.driving()
+        before = len(commands(s))
+        with mock.patch.object(s.world, "wait", side_effect=KeyboardInterrupt):
+            s.leave()
+        assert [speeds for _at_s, speeds in commands(s)[before:]] == 5 * [(0.0, 0.0)]
+
+    def test_no_speed_beyond_the_limits_is_sent_unless_the_wheels_have_no_power(self) -> None:
+        contact = self.contact(DRIVEN)
+        world, s = contact.session.world, contact.session
+        please = world.please
+        for step in contact.steps():
+            if step.name == "motors":
+                world.please = lambda key, text: key == "estop_press" or please(key, text)
+        assert contact.refused is not None
+        assert contact.refused.reason == "no_emergency_stop"
+        assert max(abs(speeds[0]) for _at_s, speeds in commands(s)) <= 0.6
+        assert commands(s)[-1][1] == (0.0, 0.0)
 
     def test_a_robot_that_endangers_is_refused_with_the_reason(self) -> None:
         for change, reason in (

@@ -3,6 +3,7 @@
 
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from . import wire
@@ -53,6 +54,8 @@ class Session:
         """When statuses with which stamps arrived at a port of their own."""
         self.moving = False
         """Whether this step moves the robot: then the key is held after each question."""
+        self._driving = False
+        """Whether the last command was a speed: then the key is held without commands, too."""
         self.usable: list[str] = []
         self.responses: dict[int, Response] = {}
         self.notes: dict[str, float] = {}
@@ -196,11 +199,15 @@ class Session:
         if not powerless and (linear_m_s or angular_rad_s):
             if abs(linear_m_s) > MAX_M_S or abs(angular_rad_s) > MAX_RAD_S:
                 raise ValueError("faster than these steps may be")
-            if not self.world.held():
-                self.stop()
-                raise ReleasedError
+            self._stop_if_released()
+        self._driving = bool(linear_m_s or angular_rad_s) and not powerless
         self.send(wire.speeds(self.ids["differential"], linear_m_s, angular_rad_s))
         self.commanded_s = self.world.now_s
+
+    def _stop_if_released(self) -> None:
+        if not self.world.held():
+            self.stop()
+            raise ReleasedError
 
     def run(
         self,
@@ -222,6 +229,8 @@ class Session:
             self.send(wire.request(number, wire.GET, self.ids["differential"]))
             tick_s += CYCLE_S
             self.pump(max(tick_s - self.world.now_s, 0.0))
+            if self._driving:
+                self._stop_if_released()
             if command is not None and any(command):
                 self._refuse_running_away()
 
@@ -247,7 +256,8 @@ class Session:
         """Send the zeros that are due when the conversation ends, however it does."""
         for _ in range(5 if self.commanded_s else 0):
             self.command(0.0, 0.0)
-            self.pump(COMMAND_S)
+            with suppress(KeyboardInterrupt):  # one that is impatient
+                self.pump(COMMAND_S)
 
     def stop(self) -> bool:
         """Send zeros until the robot reports that it is at rest; False if it does not."""

@@ -339,7 +339,13 @@ def motors(s: Session) -> None:
     s.pump(0.5)
     since_s = s.world.now_s
     s.run(1.0, (speed, 0.0))
-    ignored = abs(s.sampled(since_s, None)[-1].target[0] - speed) > 1e-3
+    samples = s.sampled(since_s, None)
+    if max(abs(x.speed[0]) for x in samples) > 0.03:
+        s.stop()
+        raise UnsafeError(
+            "no_emergency_stop", "The wheels turn although the emergency stop should be pressed."
+        )
+    ignored = abs(samples[-1].target[0] - speed) > 1e-3
     s.learn("commands_need_motors", int(ignored))
     s.stop()
     if not ignored:
