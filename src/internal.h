@@ -159,8 +159,6 @@ void roburoc4_link_forget_times(roburoc4_private_link *l, uint32_t now_us);
 void roburoc4_link_pause(roburoc4_private_link *l, uint64_t pause_us);
 /** Learn times from a status of a subscription that an earlier client made. */
 void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us);
-/** Whether nothing came for so long that the robot may have restarted, before its first stamp. */
-bool roburoc4_link_was_silent(const roburoc4_private_link *l, uint64_t now_us);
 /** The ids may now belong to other services: no stored status is fresh. */
 void roburoc4_link_invalidate(roburoc4_private_link *l);
 /** The robot accepted the requested period: measure loss against it until another is observed. */

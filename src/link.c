@@ -179,7 +179,7 @@ static void lower_floor(roburoc4_private_link *l, uint64_t transit, uint64_t now
     const uint64_t below_us = l->floor_us - transit;
     const uint64_t drifted = drifted_us(l, now_us);
     if (l->floor_age_us != AGE_UNKNOWN && drifted > below_us) {
-        l->floor_age_us += (uint32_t)(drifted - below_us);
+        l->floor_age_us = clipped(l->floor_age_us + (drifted - below_us));
     }
     l->floor_us = transit;
     l->proven_us = now_us;
@@ -239,7 +239,7 @@ static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_
         rise_us = by_us = 0;
     }
     l->floor_us += rise_us;
-    l->floor_age_us = (uint32_t)(age_us - (by_us - rise_us));
+    l->floor_age_us = clipped(age_us - (by_us - rise_us));
     l->proven_us = now_us;
 }
 
@@ -313,10 +313,6 @@ static bool clock_is_lost(const roburoc4_private_link *l, uint64_t robot_cycles,
         return !l->mapped && l->resubscribed;
     }
     return was_silent(l, now_us) || robot_cycles > l->newest_cycles + BACK_CYCLES;
-}
-
-bool roburoc4_link_was_silent(const roburoc4_private_link *l, uint64_t now_us) {
-    return !l->mapped && (uint32_t)now_us - l->last_used_us >= RESTART_US;
 }
 
 void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {

@@ -144,7 +144,7 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
         roburoc4_subscriptions_accepted(&c->private_subscriptions, service);
         wake(c);
     }
-    if (l->floor_us < floor_us) {
+    if (l->floor_us != floor_us) {
         wake(c); /* the statuses of other services are older than assumed */
     }
     raise_event(c, (uint32_t)ROBUROC4_EVENT_IOCARD << STATUS_INDEX(service));

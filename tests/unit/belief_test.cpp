@@ -283,6 +283,25 @@ TEST(Age, IsLearntAgainWhereClocksDrift) {
     }
 }
 
+TEST(Age, IsNoShorterAfterAHundredDaysOfSilence) {
+    const std::uint64_t days_us = 8529600 * second; /* the drift of these needs 33 bits */
+    for (std::uint64_t more_s = 0; more_s < 4000; more_s += 300) {
+        SCOPED_TRACE(more_s);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.ready();
+        robot.powered = false;
+        bench.run(3 * second);
+        ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_LOST), bench.state());
+        const std::uint64_t silent_us = days_us + more_s * second;
+        bench.skew_us += static_cast<std::int64_t>(silent_us);
+        robot.set_cycles(robot.cycles() + (silent_us + 900 * ms) / ROBUROC4_CYCLE_US);
+        bench.delay_to_client = [] { return 400 * ms; };
+        robot.powered = true;
+        EXPECT_FALSE(bench.run_until([&] { return age_us(bench) < 400 * ms; }));
+    }
+}
+
 TEST(Age, IsLearntAgainAfterThisClockJumpedAhead) {
     for (const std::int64_t jump_ms : {150, 500, 900, 1500, 60000}) {
         SCOPED_TRACE(jump_ms);
