@@ -3,6 +3,7 @@
 
 import json
 import os
+import signal
 import struct
 import sys
 import unittest
@@ -15,8 +16,11 @@ sys.path.insert(0, str(Path(__file__).parent))
 from family import contact_with, wrong
 from member import Library, VirtualWorld
 
+from roburoc4_tools.cli.keyboard import Key
+from roburoc4_tools.cli.signals import Signalled
 from roburoc4_tools.first_contact.contact import Contact
 from roburoc4_tools.first_contact.session import ReleasedError, Session
+from roburoc4_tools.first_contact.terminal import TerminalWorld
 
 DRIVEN, REFUSED = 10, 7
 """Seeds: a robot that is driven to the end, and one that does not report its inputs."""
@@ -111,11 +115,28 @@ class FirstContact(unittest.TestCase):
         assert not any(map(any, after))
 
     def test_all_zeros_are_sent_however_often_somebody_interrupts(self) -> None:
-        s = self.driving()
-        before = len(commands(s))
-        with mock.patch.object(s.world, "wait", side_effect=KeyboardInterrupt):
-            s.leave()
-        assert [speeds for _at_s, speeds in commands(s)[before:]] == 5 * [(0.0, 0.0)]
+        for interruption in (KeyboardInterrupt, Signalled(signal.SIGTERM), OSError):
+            with self.subTest(interruption=interruption):
+                s = self.driving()
+                before = len(commands(s))
+                with mock.patch.object(s.world, "wait", side_effect=interruption):
+                    s.leave()
+                assert [speeds for _at_s, speeds in commands(s)[before:]] == 5 * [(0.0, 0.0)]
+
+    def test_a_terminal_that_is_gone_interrupts_once_and_holds_no_key(self) -> None:
+        keyboard = mock.Mock(reports_releases=False)
+        keyboard.keys.return_value = [Key(" ", "press")]
+        world = TerminalWorld("127.0.0.1", 9, keyboard)
+        assert world.held()
+        keyboard.keys.side_effect = Signalled(signal.SIGHUP)
+        gone = 0
+        for _ in range(3):
+            try:
+                world.wait(0.01)
+            except Signalled:
+                gone += 1
+        assert gone == 1
+        assert not world.held()
 
     def test_no_speed_beyond_the_limits_is_sent_unless_the_wheels_have_no_power(self) -> None:
         contact = self.contact(DRIVEN)

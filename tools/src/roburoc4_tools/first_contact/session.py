@@ -256,7 +256,7 @@ class Session:
         """Send the zeros that are due when the conversation ends, however it does."""
         for _ in range(5 if self.commanded_s else 0):
             self.command(0.0, 0.0)
-            with suppress(KeyboardInterrupt):  # one that is impatient
+            with suppress(BaseException):  # an impatient Ctrl-C, a terminal that is gone
                 self.pump(COMMAND_S)
 
     def stop(self) -> bool:

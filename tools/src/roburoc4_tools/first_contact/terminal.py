@@ -32,6 +32,7 @@ class TerminalWorld(World):
         self._sockets: dict[int, socket.socket] = {}
         self._local: dict[int, int] = {}
         self._early: list[Datagram] = []
+        self._interrupted = False
         self._typed = ""
         self._count: list[tuple[float, str]] = []
 
@@ -69,7 +70,7 @@ class TerminalWorld(World):
         return heard
 
     def _look(self) -> None:
-        """Take what is there: datagrams, keys, and the time of a countdown."""
+        """Take what is there: datagrams, keys until one interrupts, and the time of a countdown."""
         for port, opened in self._sockets.items():
             with suppress(BlockingIOError, ConnectionError):
                 while True:
@@ -77,6 +78,14 @@ class TerminalWorld(World):
                     if sender[0] == self._robot[0]:
                         other = sender[1] != self._robot[1]
                         self._early.append(Datagram(self.now_s, port, data, other))
+        if not self._interrupted:
+            self._interrupted = True  # unless the keys are taken without an exception
+            self._take_keys()
+            self._interrupted = False
+        while self._count and self._count[0][0] <= self.now_s:
+            self._say(self._count.pop(0)[1])
+
+    def _take_keys(self) -> None:
         self._keyboard.ask_echo(self.now_s)
         for key in self._keyboard.keys(0.0):
             if is_ctrl_c(key):
@@ -84,8 +93,6 @@ class TerminalWorld(World):
             self._dead_man.feed(key, self.now_s)
             if key.action == "press" and len(key.name) == 1:
                 self._typed += key.name
-        while self._count and self._count[0][0] <= self.now_s:
-            self._say(self._count.pop(0)[1])
 
     @staticmethod
     def _say(text: str) -> None:
@@ -131,4 +138,4 @@ class TerminalWorld(World):
     def held(self) -> bool:
         """Return whether the space bar is held now."""
         self._look()
-        return HOLD in self._dead_man.held(self.now_s)
+        return not self._interrupted and HOLD in self._dead_man.held(self.now_s)
