@@ -437,14 +437,22 @@ static void contradict(client *c, const uint8_t *data, size_t size, bool bad) {
     if (!bad && roburoc4_decode_text(data, size, &text) >= 0) {
         roles = roburoc4_discovery_roles(d->doubted_list, text.text, text.length);
     }
-    d->doubted = d->doubted && roles == d->doubted_roles;
+    if (d->doubted && roles != d->doubted_roles) {
+        d->doubted = 0;
+        wake(c);
+    }
 }
 
 /** The request to which an answer belongs, or NULL; answers may show that all have the same id. */
 static slot *match(client *c, const uint8_t *data, size_t size) {
-    const bool fixed_id = in_fixed_id_mode(&c->private_requests);
+    const requests *r = &c->private_requests;
+    const bool fixed_id = in_fixed_id_mode(r);
+    const bool single_texts = r->single_texts != 0;
     slot *s = roburoc4_requests_match(&c->private_requests, data, size, c->private_timer.now_us);
-    if (fixed_id != in_fixed_id_mode(&c->private_requests)) {
+    if (fixed_id != in_fixed_id_mode(r) || single_texts != (r->single_texts != 0)) {
+        wake(c);
+    }
+    if (fixed_id != in_fixed_id_mode(r)) {
         forget_override(c); /* other texts are believed now */
         if (fixed_id) {
             roburoc4_discovery_read_texts_again(&c->private_discovery);
@@ -479,6 +487,7 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
         }
         return ROBUROC4_ERR_UNMATCHED;
     }
+    wake(c);
     const slot request = *s; /* closing it, or a new state, may change the slot */
     roburoc4_drive_heard(&c->private_drive, s->sent_us);
     if (measures_round_trip(c, s, data[0])) {
@@ -536,7 +545,6 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
     } else if (size == 0 || datagram[0] == ROBUROC4_HEADER_STATUS) {
         result = ROBUROC4_ERR_SHORT;
     } else {
-        wake(c);
         result = receive_answer(c, datagram, size);
     }
     if (result < 0) {

@@ -2,6 +2,7 @@
 """The package for colcon."""
 
 from glob import glob
+from xml.etree import ElementTree
 
 from setuptools import setup
 
@@ -9,7 +10,7 @@ NAME = "roburoc4_bringup"
 FOLDERS = ("config", "launch", "systemd", "urdf")
 setup(
     name=NAME,
-    version="1.0.0",
+    version=ElementTree.parse("package.xml").findtext("version"),
     packages=[NAME],
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),

@@ -13,11 +13,16 @@
 roburoc4_result inner_client_arm(roburoc4_client *client, uint64_t now_us);
 uint32_t inner_client_state(const roburoc4_client *client);
 uint32_t inner_client_take_events(roburoc4_client *client);
+int32_t inner_refusal_may_pass(roburoc4_result refusal);
 
 roburoc4_result roburoc4_client_arm(roburoc4_client *client, uint64_t now_us) {
     static int calls;
     calls++;
     return calls <= REFUSALS ? ROBUROC4_ERR_NEW : inner_client_arm(client, now_us);
+}
+
+int32_t roburoc4_refusal_may_pass(roburoc4_result refusal) {
+    return refusal == ROBUROC4_ERR_NEW || inner_refusal_may_pass(refusal);
 }
 
 uint32_t roburoc4_client_state(const roburoc4_client *client) {

@@ -118,8 +118,8 @@ library() {
 }
 cd "$newer"
 flags=
-for function in arm state take_events; do
-    flags="$flags -Droburoc4_client_$function=inner_client_$function"
+for function in client_arm client_state client_take_events refusal_may_pass; do
+    flags="$flags -Droburoc4_$function=inner_$function"
 done
 uses='inner.o'
 "$cc" -std=c99 -O1 -fPIC "-DROBUROC4_API=$public" -Iinclude -c src/newer.c -o inner.o

@@ -260,7 +260,7 @@ class RealTools(unittest.TestCase):
     """Captures that tcpdump and dumpcap made of a simulated robot, some datagrams in fragments."""
 
     def test_their_captures_are_read(self) -> None:
-        data = ROOT / "bindings" / "python" / "tests" / "data"
+        data = ROOT / "tools" / "tests" / "data"
         for name in ("tcpdump-fragments.pcap", "dumpcap-fragments.pcapng"):
             packets = show((data / name).read_bytes())
             assert sum(bool(p["roburoc4.iocard.analog"]) for p in packets) == 20, name
