@@ -187,7 +187,8 @@ float roburoc4_move_axis_speed(roburoc4_move *m) {
     const float caution = m->private_rested ? 0 : with_sign(CAUTION * unsure, goal);
     const float left = (goal - f->numbers[OFFSET] - caution) / f->gain - m->private_commanded[axis];
     const float distance = magnitude(left);
-    if (!beyond(distance, stands ? REACHED * near_goal(m) : HOLD * unit[axis])) {
+    if (!is_finite(left) ||
+        !beyond(distance, stands ? REACHED * near_goal(m) : HOLD * unit[axis])) {
         return 0;
     }
     /* At constant deceleration far from the end, and in proportion to what is left near it. */

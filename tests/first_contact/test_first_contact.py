@@ -19,7 +19,7 @@ from member import Library, VirtualWorld
 from roburoc4_tools.cli.keyboard import Key
 from roburoc4_tools.cli.signals import Signalled
 from roburoc4_tools.first_contact.contact import Contact
-from roburoc4_tools.first_contact.session import ReleasedError, Session
+from roburoc4_tools.first_contact.session import ReleasedError, Session, number
 from roburoc4_tools.first_contact.terminal import TerminalWorld
 
 DRIVEN, REFUSED = 10, 7
@@ -149,6 +149,17 @@ class FirstContact(unittest.TestCase):
         assert contact.refused.reason == "no_emergency_stop"
         assert max(abs(speeds[0]) for _at_s, speeds in commands(s)) <= 0.6
         assert commands(s)[-1][1] == (0.0, 0.0)
+
+    def test_what_is_no_number_is_asked_again(self) -> None:
+        answers = iter(["a metre", "", "nan", "1,25"])
+        asked = []
+
+        def ask(text: str) -> str:
+            asked.append(text)
+            return next(answers)
+
+        assert number(ask, "How many metres?") == 1.25
+        assert asked[1] == "'a metre' is no number; give one such as 1.25. How many metres?"
 
     def test_a_robot_that_endangers_is_refused_with_the_reason(self) -> None:
         for change, reason in (

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from .session import ReleasedError, UnsafeError
+from .session import ReleasedError, UnsafeError, number
 
 if TYPE_CHECKING:
     from roburoc4 import MoveResult, Robot
@@ -26,12 +26,12 @@ def drive(robot: Robot, held: Callable[[], bool], ask: Callable[[str], str]) -> 
             raise ReleasedError
 
     counted_m = robot.move(1.0, speed=0.2, on_progress=watch).distance_m
-    real_m = float(ask("How many metres did the robot move?"))
+    real_m = number(ask, "How many metres did the robot move?")
     turned = robot.turn(math.pi / 2, speed=0.3, on_progress=watch).angle_rad
-    degrees = float(ask("By how many degrees did it turn, to the left?"))
+    degrees = number(ask, "By how many degrees did it turn, to the left?")
     found = {
-        "scale_linear": counted_m / real_m,
-        "scale_angular": turned / math.radians(degrees),
+        "scale_linear": counted_m / real_m if real_m else math.inf,
+        "scale_angular": turned / math.radians(degrees) if degrees else math.inf,
     }
     if not all(_LEAST <= scale <= _MOST for scale in found.values()):
         raise UnsafeError(
@@ -39,7 +39,7 @@ def drive(robot: Robot, held: Callable[[], bool], ask: Callable[[str], str]) -> 
         )
     for speed, usual_m in _BRAKING_M.items():
         robot.move_for(speed, 0.0, 2.0, on_progress=watch)
-        way_m = float(ask(f"How far did it roll when it was to stop from {speed:g} m/s, in m?"))
+        way_m = number(ask, f"How far did it roll when it was to stop from {speed:g} m/s, in m?")
         if way_m > 2 * usual_m:
             raise UnsafeError(
                 "braking", f"It rolls {way_m:g} m from {speed:g} m/s: keep off the ground."

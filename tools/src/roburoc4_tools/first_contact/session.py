@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A conversation with a robot of which nothing is known yet, and everything it said."""
 
+import math
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
@@ -31,6 +32,18 @@ class UnsafeError(Exception):
     def __init__(self, reason: str, text: str) -> None:
         super().__init__(text)
         self.reason = reason
+
+
+def number(ask: Callable[[str], str], text: str) -> float:
+    """Ask until the answer is a number."""
+    question = text
+    while True:
+        answer = ask(question)
+        with suppress(ValueError):
+            value = float(answer.replace(",", "."))
+            if math.isfinite(value):
+                return value
+        question = f"{answer!r} is no number; give one such as 1.25. {text}"
 
 
 class Session:

@@ -4,7 +4,7 @@
 import struct
 
 from . import wire
-from .session import Session, UnsafeError
+from .session import Session, UnsafeError, number
 
 _BUMPERS = (
     ("front_bumper_index", "front_bumper", "the front bumper"),
@@ -46,9 +46,11 @@ def inputs(s: Session) -> None:
         if changed:
             s.learn(name, changed[0])
     s.begin()
-    shown = s.ask("battery_v", "Which voltage does the panel's display show?")
+    shown_v = number(
+        lambda text: s.ask("battery_v", text), "Which voltage does the panel's display show?"
+    )
     values = _inputs(s)[0]
-    near = [k for k, v in enumerate(values) if abs(v - float(shown)) < 0.5]
+    near = [k for k, v in enumerate(values) if abs(v - shown_v) < 0.5]
     if len(near) == 1:
         s.learn("battery_voltage_index", near[0])
     if "override_index" not in s.known:
