@@ -112,6 +112,8 @@ need_python_build() {
 
 need_python_tests() {
     need_python_build
+    # lcm-gen of pip's LCM links it.
+    need libglib2.0-0 "${PYTHON:-python3}" -c 'import ctypes; ctypes.CDLL("libglib-2.0.so.0")'
     need binutils have readelf
 }
 
