@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import Self
 
+from roburoc4 import Settings
 from roburoc4.robot import Robot, connect
 
 from .config import Config, RobotConfig
@@ -67,11 +68,11 @@ class Program:
 
 
 def _connect(config: RobotConfig) -> Robot:
-    return connect(
-        config.address,
-        wait=False,
-        period_ms=config.period_ms,
-        **({"robot_file": config.robot_file} if config.robot_file else {}),
-        max_linear_m_s=config.drive.max_linear_m_s,
-        max_angular_rad_s=config.drive.max_angular_rad_s,
-    )
+    settings: Settings = {
+        "period_ms": config.period_ms,
+        "max_linear_m_s": config.drive.max_linear_m_s,
+        "max_angular_rad_s": config.drive.max_angular_rad_s,
+    }
+    if config.robot_file:
+        settings["robot_file"] = config.robot_file
+    return connect(config.address, wait=False, **settings)
