@@ -2,6 +2,8 @@
 """`roburoc4 stop`, `output`, `relocalize`: one request, one line of output."""
 
 import math
+import socket
+import struct
 import time
 
 import pytest
@@ -12,9 +14,10 @@ import roburoc4
 
 
 def test_stop_ends_the_drive_of_another_program() -> None:
-    with roburoc4.Simulator(port=0) as sim, sim.connect(ignore_other_commander=True) as robot:
-        robot.arm()
-        robot.drive(0.5, 0.0, lease=1.0)
+    ahead = b"\xff\x06\x00" + struct.pack("<2f", 0.5, 0.0)  # of a program that believes nothing
+    with roburoc4.Simulator(port=0) as sim, socket.socket(type=socket.SOCK_DGRAM) as another:
+        another.connect(("127.0.0.1", int(sim.address.rpartition(":")[2])))
+        another.send(ahead)
         until(lambda: sim.state.wheel_linear_m_s > 0.1)
         done = run("stop", robot=sim.address)
         assert (done.returncode, done.stderr) == (0, "")
@@ -35,16 +38,17 @@ def test_stop_reports_when_somebody_keeps_driving() -> None:
 
 @pytest.mark.parametrize("seconds", [3.0, 60.0])
 def test_stop_reports_another_program_that_keeps_driving(seconds: float) -> None:
-    with roburoc4.Simulator(port=0) as sim, sim.connect(ignore_other_commander=True) as robot:
-        robot.arm()
-        robot.drive(0.5, 0.0, lease=1.0)
+    ahead = b"\xff\x06\x00" + struct.pack("<2f", 0.5, 0.0)  # of a program that believes nothing
+    with roburoc4.Simulator(port=0) as sim, socket.socket(type=socket.SOCK_DGRAM) as another:
+        another.connect(("127.0.0.1", int(sim.address.rpartition(":")[2])))
+        another.send(ahead)
         until(lambda: sim.state.wheel_linear_m_s > 0.1)
         process = start("stop", "--json", robot=sim.address)
         begun_s = time.monotonic()
         zeros = []  # when the last command was one
         while process.poll() is None:
             if time.monotonic() < begun_s + seconds:
-                robot.drive(0.5, 0.0, lease=1.0)
+                another.send(ahead)
             state = sim.state
             if state.last_linear_m_s == 0.0:
                 zeros.append(state.now_us / 1e6)

@@ -2,6 +2,7 @@
 """Moves end where they should, with a result; all of it in virtual time but for asyncio."""
 
 import asyncio
+import itertools
 import math
 import pickle
 from collections.abc import Iterator
@@ -88,7 +89,8 @@ def test_progress_is_reported(sim: Simulator) -> None:
     assert seen[0].outcome is MoveOutcome.RUNNING
     assert seen[0].remaining_m == pytest.approx(0.5, abs=0.1)
     ways = [result.distance_m for result in seen]
-    assert ways == sorted(ways)
+    backwards = [last - way for last, way in itertools.pairwise(ways)]
+    assert max(backwards) < 0.001, "at its end a robot may swing back"
 
 
 def test_what_ends_a_move_cannot_be_overlooked(sim: Simulator) -> None:
