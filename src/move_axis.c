@@ -93,16 +93,18 @@ void roburoc4_move_axis_begin(roburoc4_move *m) {
 /** One equation: the best numbers for it and all before. */
 static void fit(roburoc4_move *m, float passed_s) {
     roburoc4_private_fit *f = &m->private_fit;
-    float(*const smooth)[2] = f->smooth;
-    const float covered = (smooth[COVERED][0] - smooth[COVERED][1]) * (1 / FILTER_S);
-    const float row[FITS] = {smooth[COMMANDED][1], -0.5F * (smooth[SPEED][1] + covered),
-                             (smooth[SPEED][1] - smooth[SPEED][0]) * (1 / FILTER_S),
-                             (smooth[COMMANDED][1] - smooth[COMMANDED][0]) * (1 / FILTER_S), 1};
-    const float off = NOISE_M + NOISE_S * magnitude(smooth[SPEED][1]);
+    const float *const commanded = f->smooth[COMMANDED];
+    const float *const covered = f->smooth[COVERED];
+    const float *const speed = f->smooth[SPEED];
+    const float moved = (covered[0] - covered[1]) * (1 / FILTER_S);
+    const float row[FITS] = {commanded[1], -0.5F * (speed[1] + moved),
+                             (speed[1] - speed[0]) * (1 / FILTER_S),
+                             (commanded[1] - commanded[0]) * (1 / FILTER_S), 1};
+    const float off = NOISE_M + NOISE_S * magnitude(speed[1]);
     const float scale = unit[roburoc4_move_axis(m)] * unit[roburoc4_move_axis(m)];
     const float learned = (NOISE_STATUSES + f->surprise) / (NOISE_STATUSES + f->statuses);
     const float noise = off * off * scale * learned;
-    float shared[FITS], variance = noise, error = smooth[COVERED][1];
+    float shared[FITS], variance = noise, error = covered[1];
     f->spread[OFFSET][OFFSET] += passed_s * DRIFT_M2_S * scale;
     for (uint32_t i = 0; i < FITS; i++) {
         shared[i] = 0;
