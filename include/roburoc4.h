@@ -583,7 +583,7 @@ typedef struct roburoc4_private_link {
 typedef struct roburoc4_private_drive {
     uint8_t known, armed, lease_active, stopping;
     uint8_t stop_pending, nonzero_sent, zeros_sent, confirmed;
-    uint8_t other_count, other_commander, overridden, reserved[3];
+    uint8_t other_count, other_commander, overridden, reserved[5];
     uint8_t inhibited, changed, lapsed, outcome;
     uint8_t unconfirmed, echo_due;
     uint16_t service;

@@ -437,9 +437,12 @@ def test_creating_and_closing_repeatedly_leaks_nothing(served: Simulator) -> Non
 
     for _ in range(15):
         life()
-    before = figures()
-    for _ in range(40):
-        life()
-    after = figures()
+    for _ in range(3):  # what is leaked is leaked each time; a heap that was full grows once
+        before = figures()
+        for _ in range(40):
+            life()
+        after = figures()
+        if after[0] - before[0] < 4096:
+            break
     assert after[0] - before[0] < 4096, "KiB of memory"  # a leaked ring of samples takes 190
     assert after[1:] == before[1:]
