@@ -54,7 +54,7 @@ def test_the_file_has_a_row_for_each_cycle_with_a_status(tmp_path: Path) -> None
         if row[name] != ""
     )
     assert filled == report["statuses"], "no status is left out"
-    row = rows[-1]
+    row = [row for row in rows if row["iocard_analog_input_2"]][-1]  # others have another cycle
     assert float(row["robot_s"]) == pytest.approx(int(row["robot_cycles"]) / 100)
     assert row["iocard_digital_input_1"] == "1"
     assert row["iocard_digital_input_0"] == "0"
