@@ -3,6 +3,7 @@
 
 import json
 import struct
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -68,15 +69,20 @@ class Viewer:
     def hear(self, *topics: str) -> dict[str, Any]:
         """The first message of each topic."""
         heard: dict[str, Any] = {}
-        while not heard.keys() >= set(topics):
+        until_s = time.monotonic() + 20
+        while not heard.keys() >= set(topics) and time.monotonic() < until_s:
             if (one := self.read()) is not None:
                 heard.setdefault(*one)
         return heard
 
 
 def test_foxglove_shows_the_live_robot(url: str, sim: roburoc4.Simulator) -> None:
-    with connect(url, subprotocols=["foxglove.sdk.v1"]) as socket:  # type: ignore[list-item]
-        heard = Viewer(socket).hear("/odom", "/tf", "/battery_state", "/range/front", "/pad/joy")
+    topics = ("/odom", "/tf", "/battery_state", "/range/front", "/pad/joy")
+    for _ in range(3):  # on a busy machine a topic was once not heard; a new connection has it
+        with connect(url, subprotocols=["foxglove.sdk.v1"]) as socket:  # type: ignore[list-item]
+            heard = Viewer(socket).hear(*topics)
+        if heard.keys() >= set(topics):
+            break
     assert heard["/odom"].header.frame_id == "odom"
     assert heard["/battery_state"].percentage == pytest.approx(1.0)
     assert heard["/tf"].transforms[0].child_frame_id == "base_link"
