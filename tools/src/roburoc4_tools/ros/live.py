@@ -20,7 +20,9 @@ class Live:
         self.sent = 0
         self._stream = Stream(robot, robot.address, offset_s)
         self._context = Context()
-        self._channels: dict[str, Channel] = {}
+        # All at once, before anybody can connect: the SDK advertises a later channel a moment
+        # before it accepts subscriptions to it, and refuses those of a client that is quicker.
+        self._channels = {topic: self._channel(topic) for topic in TOPICS if topic in PUBLISHED}
         self._latched: dict[str, bytes] = {}
         self._server: WebSocketServer = start_server(
             name=f"RobuROC4 at {robot.address}",
@@ -40,20 +42,19 @@ class Live:
         time_ns = self._stream.messages.seen_us(item) * 1000
         for topic, message in self._stream.of(item):
             self._send(topic, message, time_ns)
-            if topic in PUBLISHED and PUBLISHED[topic].profile.latched:
+            if PUBLISHED[topic].profile.latched:
                 self._latched[topic] = message
             if topic == "diagnostics":  # once a second: for those who have only just connected
                 for latched, last in self._latched.items():
                     self._send(latched, last, time_ns)
         self._server.broadcast_time(time_ns)
 
+    def _channel(self, topic: str) -> Channel:
+        kind = TOPICS[topic]
+        schema = Schema(name=ros_name(kind), encoding="ros2msg", data=definition(kind).encode())
+        return Channel(f"/{topic}", schema=schema, message_encoding="cdr", context=self._context)
+
     def _send(self, topic: str, message: bytes, time_ns: int) -> None:
-        if topic not in self._channels:
-            kind = TOPICS[topic]
-            schema = Schema(name=ros_name(kind), encoding="ros2msg", data=definition(kind).encode())
-            self._channels[topic] = Channel(
-                f"/{topic}", schema=schema, message_encoding="cdr", context=self._context
-            )
         self._channels[topic].log(message, log_time=time_ns)
         self.sent += 1
 
