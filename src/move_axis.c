@@ -43,7 +43,7 @@ enum { COMMANDED, COVERED, SPEED, SIGNALS };
 #define DRIFT_M2_S 2e-6F
 /* The gain may be larger by so many standard deviations, but no gain is farther from 1. */
 #define CAUTION 0.96F
-#define GAIN_RANGE 0.5F
+#define GAIN_RANGE 0.2F
 /* Time constant of the approach to the goal, and how it grows with the doubt. */
 #define APPROACH_S 0.072F
 #define APPROACH_S_PER_M 4.0F
@@ -187,10 +187,9 @@ float roburoc4_move_axis_speed(roburoc4_move *m) {
     m->private_rested |= stands;
     const float goal = m->private_goal[axis], unsure = doubt(m, goal);
     const float caution = m->private_rested ? 0 : with_sign(CAUTION * unsure, goal);
-    const float left = (goal - f->numbers[OFFSET] - caution) / f->gain - m->private_commanded[axis];
-    const float distance = magnitude(left);
-    if (!is_finite(left) ||
-        !beyond(distance, stands ? REACHED * near_goal(m) : HOLD * unit[axis])) {
+    const float short_by = goal - rest_at(m) - caution, distance = magnitude(short_by / f->gain);
+    if (!is_finite(short_by) ||
+        !beyond(short_by, stands ? REACHED * near_goal(m) : HOLD * unit[axis])) {
         return 0;
     }
     /* At constant deceleration far from the end, and in proportion to what is left near it. */
@@ -198,15 +197,15 @@ float roburoc4_move_axis_speed(roburoc4_move *m) {
     const float speed =
         slope * (roburoc4_move_root(time_s * time_s + 2 * distance / slope) - time_s);
     /* It turns back once while the robot rolls, to brake; then only from rest. */
-    const int8_t side = order_of(left) < 0 ? -1 : 1;
+    const int8_t side = order_of(short_by) < 0 ? -1 : 1;
     if (side == -m->private_side) {
-        if ((m->private_turned && !stands) || !beyond(distance, REACHED * near_goal(m))) {
+        if ((m->private_turned && !stands) || !beyond(short_by, REACHED * near_goal(m))) {
             return 0;
         }
         m->private_turned++;
     }
     m->private_side = side;
-    return with_sign(lesser(speed, m->private_limit[axis]), left);
+    return with_sign(lesser(speed, m->private_limit[axis]), short_by);
 }
 
 bool roburoc4_move_axis_arrived(const roburoc4_move *m) {

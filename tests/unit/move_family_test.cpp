@@ -296,3 +296,15 @@ TEST(MoveFamily, ADrawnSampleOfRobotsMovesAsItShould) {
     /* bench/moves judges all of them: 98 %. Below 94 % of a sample is no chance. */
     EXPECT_GE(fine, sample * 94 / 100);
 }
+
+/* A robot that covers 1.15 times the commanded distance stood a hair too far from its goal to be
+ * there, and not far enough to move again. */
+TEST(MoveFamily, ARobotThatStandsIsThereOrMovesAgain) {
+    for (const std::uint32_t odometry_ms : {10U, 50U, 100U, 200U}) {
+        for (const int turn : {0, 1}) {
+            const family_member robot{1.5, 0.6, 1.15, 0, 0, odometry_ms, 100, 1, turn, 0};
+            EXPECT_EQ(ROBUROC4_MOVE_REACHED, family_judge(&robot, 1, 0).result)
+                << odometry_ms << " " << turn;
+        }
+    }
+}
