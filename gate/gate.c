@@ -30,9 +30,10 @@ bool gate_is_waiting(const gate *gate, uint64_t now_us) {
 }
 
 void gate_was_stalled(gate *gate, uint64_t since_us, uint64_t now_us) {
-    if (gate_is_waiting(gate, since_us)) {
-        gate->quiet_since_us += now_us - since_us;
-    }
+    /* the pause may have begun after since_us, with what was read before it hung */
+    const uint64_t paused_us =
+        since_us > gate->quiet_since_us ? since_us - gate->quiet_since_us : 0;
+    gate->quiet_since_us = now_us - paused_us;
 }
 
 void gate_stop(gate *gate, const char *sender, size_t length, uint64_t now_us) {
@@ -99,9 +100,6 @@ static uint32_t place_of(gate *gate, const gate_command *command, gate_time now)
         memset(sender, 0, sizeof *sender);
         sender->length = (uint8_t)command->sender_length;
         memcpy(sender->name, command->sender, command->sender_length);
-        if (gate->owner == at) {
-            gate->owner = GATE_SENDERS;
-        }
     }
     return at;
 }

@@ -128,6 +128,17 @@ TEST_F(GateClient, AnOverrideHolds) {
     EXPECT_TRUE(is_waiting());
 }
 
+TEST_F(GateClient, AnOverrideThatIsOverHoldsAlsoAClientThatWasNotArmed) {
+    set("pad_a", 1);
+    pass(100);
+    set("pad_a", 0);
+    pass(100);
+    EXPECT_FALSE(is_armed());
+    EXPECT_EQ(GATE_DISARMED, send(0.3F)) << "a stream that did not pause";
+    pass(500);
+    EXPECT_EQ(GATE_TAKEN, send(0.3F));
+}
+
 TEST_F(GateClient, TheEndOfAnOverrideHoldsNoLonger) {
     set("pad_a", 1);
     pass(1000);

@@ -564,6 +564,19 @@ TEST_F(Gate, TimeInWhichTheBridgeHungIsNotAPause) {
     EXPECT_EQ(GATE_TAKEN, judge(command())) << "the pause was over before";
 }
 
+TEST_F(Gate, AStopRightBeforeTheBridgeHungHoldsUntilAPauseAfterwards) {
+    const std::uint64_t since_us = us();
+    run(ms); /* the stop is read, then it hangs */
+    gate_hold(&gate, us());
+    run(2 * second);
+    gate_was_stalled(&gate, since_us, us());
+    EXPECT_EQ(GATE_DISARMED, judge(command(), armable)) << "it may have streamed meanwhile";
+    run(GATE_PAUSE_US - 1);
+    EXPECT_EQ(GATE_DISARMED, judge(command(), armable));
+    run(GATE_PAUSE_US);
+    EXPECT_EQ(GATE_TAKEN, judge(command(), armable));
+}
+
 TEST_F(Gate, ZerosCountAsAPauseButAreRejectedDuringIt) {
     gate_hold(&gate, us());
     EXPECT_EQ(GATE_DISARMED, stream(450 * ms, armable, true));
@@ -727,6 +740,12 @@ TEST(GateStall, CommandsAfterAStallCountFromItsBeginning) {
         EXPECT_FALSE(look_after(10 * ms, 0));
     }
     EXPECT_EQ(now.utime, gate_arrival(&stall, now.utime)) << "they are empty after as long a time";
+    const std::int64_t first_utime = now.utime;
+    EXPECT_TRUE(look_after(300 * ms, 0));
+    EXPECT_TRUE(look_after(200 * ms, 0)) << "it hangs again before they are empty";
+    EXPECT_EQ(first_utime, gate_arrival(&stall, now.utime));
+    EXPECT_FALSE(look_after(10 * ms, 0));
+    EXPECT_EQ(first_utime, gate_arrival(&stall, now.utime));
 }
 
 TEST_F(Gate, AClockThatWasSetIsNoticedAndHolds) {
