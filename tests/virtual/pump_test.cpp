@@ -121,6 +121,33 @@ TEST_F(Pump, ARequestedStopEndsItsMove) {
     EXPECT_EQ(on_client(pump_, roburoc4_client_drive, 0.1f, 0.0f, 0u), ROBUROC4_ERR_STOPPED);
 }
 
+TEST_F(Pump, TheZeroThatEndsAMoveLeavesBeforeTheCallReturns) {
+    create_armed();
+    roburoc4_move move{};
+    ASSERT_EQ(roburoc4_move_by(&move, 5.0f, 0.0f, nullptr), ROBUROC4_OK);
+    at(sys.now_us + 2 * kSecond, [&] { robot_->panel("front bumper press"); });
+    EXPECT_EQ(roburoc4_pump_move(pump_, &move), ROBUROC4_MOVE_BUMPER);
+    const uint64_t ended_us = sys.now_us;
+    sleep_ms(1);
+    EXPECT_GE(robot_->speeds(), 2u);
+    EXPECT_EQ(robot_->first_zero_us(), ended_us + sys.delay_us);
+}
+
+TEST_F(Pump, CloseEndsAMoveThatDrives) {
+    create_armed();
+    roburoc4_move move{};
+    ASSERT_EQ(roburoc4_move_by(&move, 5.0f, 0.0f, nullptr), ROBUROC4_OK);
+    Thread other([&] {
+        sleep_ms(2000);
+        EXPECT_EQ(roburoc4_pump_close(pump_), ROBUROC4_OK);
+    });
+    const uint64_t closes_us = sys.now_us + 2 * kSecond;
+    EXPECT_EQ(roburoc4_pump_move(pump_, &move), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(sys.now_us, closes_us) << "when the stop sequence begins";
+    other.join();
+    expect_stopped_at(closes_us);
+}
+
 TEST_F(Pump, AClosedOneDrivesNoMove) {
     create_armed();
     roburoc4_move move{};
@@ -219,6 +246,20 @@ TEST_F(Pump, ASocketThatCannotBeWaitedForOrReadDoesNotMakeItSpin) {
     EXPECT_LE(sys.waits - before, 150);
     EXPECT_LE(sys.receive_calls - calls, 150);
     sys.receives.clear();
+}
+
+TEST_F(Pump, ASocketThatCannotBeReadDelaysNoCommand) {
+    create_armed();
+    sys.receives.assign(1000000, ROBUROC4_OS_BROKEN);
+    const uint64_t granted_us = sys.now_us;
+    ASSERT_EQ(on_client(pump_, roburoc4_client_drive, 0.5f, 0.0f, 200000u), ROBUROC4_OK);
+    sleep_ms(600);
+    sys.receives.clear();
+    EXPECT_EQ(robot_->speeds(), 4u);
+    EXPECT_EQ(robot_->first_zero_us(), granted_us + 200 * kMs + sys.delay_us);
+    for (size_t i = 1; i < robot_->commands.size(); i++) {
+        EXPECT_EQ(robot_->commands[i].at_us - robot_->commands[i - 1].at_us, 50 * kMs);
+    }
 }
 
 TEST_F(Pump, ALossIsReportedWhenItHappens) {
@@ -419,7 +460,9 @@ TEST_F(Pump, DestroyWaitsForWaitingThreads) {
             result = roburoc4_pump_wait_samples(pump_, &reader, UINT32_MAX);
         });
         sleep_ms(10);
+        const uint64_t asked_us = sys.now_us;
         roburoc4_pump_destroy(pump_);
+        EXPECT_EQ(sys.now_us, asked_us) << "no longer than they take to return";
         waiter.join();
         EXPECT_EQ(result, ROBUROC4_ERR_CLOSED);
     }
@@ -693,6 +736,29 @@ TEST_F(Pump, ASlowReaderLosesTheOldestAndLearnsHowMany) {
     EXPECT_EQ(samples[0].sequence, slow.lost + 10);
     EXPECT_EQ(roburoc4_pump_read_samples(pump_, &slow, samples, 100), 0);
     EXPECT_EQ(newest.lost, 0u);
+}
+
+TEST_F(Pump, ASampleHasTheTimeOfItsMeasurementUnlessThatIsTenSecondsAgo) {
+    config_.lost_ms = 60000;
+    const uint64_t delays_us[] = {8 * kSecond, 12 * kSecond};
+    const uint64_t ages_us[] = {8 * kSecond, 0};
+    for (size_t i = 0; i < 2; i++) {
+        begin();
+        robot_ = std::make_unique<Robot>();
+        create_armed();
+        sleep_ms(1000);
+        sys.delay_us = delays_us[i]; /* a queue that suddenly holds everything */
+        sleep_ms(100);
+        roburoc4_pump_reader reader{};
+        roburoc4_pump_reader_init(pump_, &reader);
+        ASSERT_GT(roburoc4_pump_wait_samples(pump_, &reader, 20 * kSecond), 0);
+        roburoc4_sample sample;
+        ASSERT_EQ(roburoc4_pump_read_samples(pump_, &reader, &sample, 1), 1);
+        EXPECT_NEAR(static_cast<double>(sample.host_us - sample.made_us),
+                    static_cast<double>(ages_us[i]), 30 * kMs);
+        roburoc4_pump_destroy(pump_);
+        pump_ = nullptr;
+    }
 }
 
 TEST_F(Pump, WaitingEndsWithItsTime) {

@@ -245,6 +245,25 @@ TEST_F(Record, ADiskThatStaysFullLeavesWholeBlocks) {
     expect_gaps_are_counted(all);
 }
 
+TEST_F(Record, ADiskWithoutRoomForTheStatisticsLeavesWholeBlocks) {
+    open();
+    take();
+    sleep_ms(100);
+    sys.disk_room = 10;
+    EXPECT_EQ(close(), ROBUROC4_ERR_SYSTEM);
+    EXPECT_FALSE(capture().is_cut);
+    EXPECT_EQ(capture().datagrams.size(), 1u);
+}
+
+TEST_F(Record, CloseOfOneThatRestsTakesNoTime) {
+    open();
+    take();
+    sleep_ms(500);
+    const uint64_t closed_us = sys.now_us;
+    EXPECT_EQ(close(), ROBUROC4_OK);
+    EXPECT_EQ(sys.now_us, closed_us);
+}
+
 TEST_F(Record, CloseWaitsTwoSecondsForADiskThatHangs) {
     open();
     sys.disk_hangs = true;

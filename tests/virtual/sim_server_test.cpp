@@ -224,6 +224,10 @@ TEST_F(SimServer, AfterALongGapTheRobotsContinueWhereTheyWere) {
     stall_ms(900);
     sleep_ms(100);
     EXPECT_GE(driver.reported().robot_cycles - after, 90u) << "a short one is made up for";
+    const uint64_t later = driver.reported().robot_cycles;
+    stall_ms(60000);
+    sleep_ms(1000);
+    EXPECT_LE(driver.reported().robot_cycles - later, 110u) << "and after another long one";
 }
 
 TEST_F(SimServer, APortThatIsTakenEndsIt) {
@@ -319,6 +323,23 @@ TEST_F(SimHost, FaultsCanBeSetWhileItRuns) {
     EXPECT_EQ(sim_host_set_faults(host_, &faults), ROBUROC4_OK);
     sim_host_unlock(host_);
     EXPECT_TRUE(driver.arms());
+}
+
+TEST_F(SimHost, ADelayIsAsLongAsItWasSet) {
+    roburoc4_sim_faults faults{};
+    faults.size = sizeof faults;
+    faults.delay_us = 3000;
+    sim_host_lock(host_);
+    EXPECT_EQ(sim_host_set_faults(host_, &faults), ROBUROC4_OK);
+    sim_host_unlock(host_);
+    Driver driver;
+    ASSERT_TRUE(driver.arms());
+    sleep_ms(20000);
+    roburoc4_link link{};
+    link.size = sizeof link;
+    on_client(driver.pump, roburoc4_client_link, sys.now_us, &link);
+    EXPECT_EQ(link.round_trip_min_us, 6000 + 2 * sys.delay_us);
+    EXPECT_NEAR(link.round_trip_us, 6000 + 2.0 * static_cast<double>(sys.delay_us), 100);
 }
 
 TEST_F(SimHost, ForgetsAClientWhosePortIsClosed) {

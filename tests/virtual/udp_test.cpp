@@ -114,6 +114,19 @@ TEST_F(Faults, APathThatFailsForASecondIsReconnected) {
     EXPECT_EQ(sys.connects_us.size(), connects) << "a path that works is left alone";
 }
 
+TEST_F(Faults, APathThatFailsIsReconnectedHoweverOftenItIsSentTo) {
+    open();
+    sys.send_fault = ROBUROC4_FAULT_DOWN;
+    for (int i = 0; i < 35; i++) { /* a new client sends at once */
+        ASSERT_EQ(roburoc4_client_init(&client_, sizeof client_, nullptr), ROBUROC4_OK);
+        ASSERT_EQ(roburoc4_client_start(&client_, sys.now_us), ROBUROC4_OK);
+        ASSERT_GE(roburoc4_udp_transmit_all(&udp_, &client_), 0);
+        sys.now_us += 100000;
+    }
+    EXPECT_EQ(count(ROBUROC4_UDP_COUNT_DROPPED), 35u);
+    EXPECT_EQ(sys.connects_us.size(), 4u) << "each second";
+}
+
 TEST_F(Faults, APathThatRecoversByItselfKeepsItsConnection) {
     open();
     sys.send_faults = {ROBUROC4_FAULT_UNREACHABLE, ROBUROC4_FAULT_UNREACHABLE};

@@ -17,6 +17,7 @@
 
 #include "bot_core_pose_t.h"
 #include "roburoc4_lcm.h"
+#include "roburoc4_move.h"
 
 extern "C" {
 #include "os.h"
@@ -194,6 +195,10 @@ class Bridge : public testing::Test {
     int64_t utime() const {
         return static_cast<int64_t>(sys.calendar_us + sys.now_us);
     }
+    /* Later than that of every command before. */
+    int64_t next_utime() {
+        return utime() + ++given_;
+    }
     template <class Message>
     static void give(const char *channel, const Message &message, int (*size_of)(const Message *),
                      int (*encode)(void *, int, int, const Message *)) {
@@ -202,20 +207,47 @@ class Bridge : public testing::Test {
                   static_cast<int>(bytes.size()));
         bus.unread.push_back({sys.now_us, channel, bytes});
     }
-    void drive(double linear_m_s, int32_t lease_us = 0, const char *sender = "planner") const {
+    void drive(double linear_m_s, int32_t lease_us = 0, const char *sender = "planner") {
         roburoc4_lcm_drive_command_t command{};
-        command.utime = utime();
+        command.utime = next_utime();
         command.sender = const_cast<char *>(sender);
         command.linear_m_s = linear_m_s;
         command.lease_us = lease_us;
         give("ROBUROC4_DRIVE_CMD", command, roburoc4_lcm_drive_command_t_encoded_size,
              roburoc4_lcm_drive_command_t_encode);
     }
-    void stream(double linear_m_s, uint64_t for_ms) const {
+    void stream(double linear_m_s, uint64_t for_ms) {
         for (uint64_t ms = 0; ms < for_ms; ms += 50) {
             drive(linear_m_s);
             sleep_ms(50);
         }
+    }
+    void move_by(double distance_m, int64_t id, int32_t lease_us = 0, double clearance_m = 0,
+                 const char *sender = "planner") {
+        roburoc4_lcm_move_command_t command{};
+        command.utime = next_utime();
+        command.sender = const_cast<char *>(sender);
+        command.move_id = id;
+        command.kind = ROBUROC4_LCM_MOVE_COMMAND_T_KIND_BY;
+        command.distance_m = distance_m;
+        command.lease_us = lease_us;
+        command.clearance_m = clearance_m;
+        give("ROBUROC4_MOVE_CMD", command, roburoc4_lcm_move_command_t_encoded_size,
+             roburoc4_lcm_move_command_t_encode);
+    }
+    static int32_t last_move_result() {
+        int32_t result = -1;
+        for (const Message &message : bus.published) {
+            roburoc4_lcm_move_status_t status{};
+            if (message.channel == "ROBUROC4_MOVE_STATUS" &&
+                roburoc4_lcm_move_status_t_decode(message.bytes.data(), 0,
+                                                  static_cast<int>(message.bytes.size()),
+                                                  &status) >= 0) {
+                result = status.result;
+                roburoc4_lcm_move_status_t_decode_cleanup(&status);
+            }
+        }
+        return result;
     }
     static void stop(const char *channel = "ROBUROC4_STOP_CMD") {
         roburoc4_lcm_stop_command_t command{const_cast<char *>("operator")};
@@ -241,6 +273,7 @@ class Bridge : public testing::Test {
     std::vector<std::string> arguments_;
     std::unique_ptr<Thread> bridge_;
     int status_ = -1;
+    int64_t given_ = 0;
 };
 
 TEST_F(Bridge, ACommandDrivesAtOnceAndUntilItsLeaseEnds) {
@@ -441,21 +474,90 @@ TEST_F(Bridge, PublishesItsStateFiveTimesASecondAndStatisticsOnce) {
 
 TEST_F(Bridge, AMoveThatIsNotRenewedEndsWithItsLease) {
     start();
-    roburoc4_lcm_move_command_t command{};
-    command.utime = utime();
-    command.sender = const_cast<char *>("planner");
-    command.move_id = 7;
-    command.kind = ROBUROC4_LCM_MOVE_COMMAND_T_KIND_BY;
-    command.distance_m = 5;
-    command.lease_us = 250000;
-    command.clearance_m = 0;
-    give("ROBUROC4_MOVE_CMD", command, roburoc4_lcm_move_command_t_encoded_size,
-         roburoc4_lcm_move_command_t_encode);
     const uint64_t sent_us = sys.now_us;
+    move_by(5, 7, 250000);
     sleep_ms(1000);
     EXPECT_GE(robot_->speeds(), 3u);
     EXPECT_GE(robot_->last_speed_us(), sent_us + 150 * kMs);
     expect_stopped_at(sent_us + 271 * kMs); /* the shortest lease more */
+    EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_LAPSED);
+}
+
+TEST_F(Bridge, AStopThatIsReadWithACommandWins) {
+    start();
+    drive(0.3);
+    stop();
+    sleep_ms(500);
+    EXPECT_EQ(robot_->speeds(), 0u);
+}
+
+TEST_F(Bridge, OfASpeedAndAMoveThatAreReadTogetherTheLaterDrives) {
+    start();
+    drive(-0.2);
+    move_by(5, 7);
+    sleep_ms(200);
+    EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_RUNNING);
+    ASSERT_GE(robot_->speeds(), 2u);
+    for (const SpeedCommand &command : robot_->commands) {
+        EXPECT_GE(command.linear_m_s, 0.0f);
+    }
+    move_by(5, 7);
+    drive(-0.2);
+    sleep_ms(200);
+    EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_CANCELLED);
+    EXPECT_FLOAT_EQ(robot_->commands.back().linear_m_s, -0.2f);
+}
+
+TEST_F(Bridge, AMoveOfAnotherSenderIsAnotherMove) {
+    start();
+    for (const char *sender : {"planner", "another"}) {
+        const size_t speeds = robot_->speeds();
+        for (int i = 0; i < 100; i++) {
+            move_by(0.2, 7, 0, 0, sender);
+            sleep_ms(50);
+        }
+        EXPECT_GT(robot_->speeds(), speeds) << sender;
+        EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_REACHED);
+        sleep_ms(600);
+    }
+    EXPECT_NEAR(robot_->state().odometry_x_m, 0.4, 0.03);
+}
+
+TEST_F(Bridge, AMoveKeepsTheClearanceThatItAsksForAndNoneWhereThatIsZero) {
+    start();
+    ASSERT_TRUE(robot_->panel("box add 1.2 0 0.2 2 0"));
+    move_by(0.1, 7, 0, 3);
+    sleep_ms(200);
+    EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_OBSTACLE);
+    sleep_ms(600);
+    move_by(0.1, 8, 0, 0);
+    sleep_ms(200);
+    EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_RUNNING);
+}
+
+TEST_F(Bridge, OutputsAreSetTogetherOrNotAtAll) {
+    start({"--enable-outputs"});
+    const auto commands = [] {
+        return std::count_if(sys.sent.begin(), sys.sent.end(),
+                             [](const Bytes &bytes) { return bytes[0] == 0xFF; });
+    };
+    roburoc4_lcm_output_command_t command{};
+    int32_t digital_index = 3, analog_index = 0; /* of a card without analog outputs */
+    int8_t digital_on = 1;
+    float analog_value = 1;
+    command.sender = const_cast<char *>("planner");
+    command.digital_count = command.analog_count = 1;
+    command.digital_index = &digital_index;
+    command.digital_on = &digital_on;
+    command.analog_index = &analog_index;
+    command.analog_value = &analog_value;
+    for (command.analog_count = 1; command.analog_count >= 0; command.analog_count--) {
+        command.utime = utime();
+        give("ROBUROC4_OUTPUT_CMD", command, roburoc4_lcm_output_command_t_encoded_size,
+             roburoc4_lcm_output_command_t_encode);
+        sleep_ms(300);
+        EXPECT_EQ(commands(), command.analog_count == 0 ? 3 : 0);
+    }
 }
 
 } // namespace
