@@ -253,12 +253,18 @@ def test_a_refusal_names_its_cause(topics: Topics, robot: Robot) -> None:
     assert topics.commands.state.diagnosis("red").level == 1
 
 
-def test_a_stop_that_loses_against_another_commander_says_so(topics: Topics) -> None:
+@pytest.mark.parametrize("later_s", [0.0, 0.01, 0.02, 0.03, 0.04])
+@pytest.mark.parametrize("stops", [1, 20])
+def test_a_stop_that_loses_against_another_commander_says_so_once(
+    topics: Topics, stops: int, later_s: float
+) -> None:
     with topics.simulator.connect() as other:
         other.arm()
-        for at in range(60):
+        for at in range(200):
             other.drive(0.3, 0.0)
-            topics.step(0.05)
-            if at == 10:
+            topics.step(later_s)
+            if at % 5 == 0 and 60 <= at < 60 + 5 * stops:
                 topics.commands.stop(JOY)
-    assert any("another commander" in note and "/teleop" in note for note in topics.notes)
+            topics.step(0.05 - later_s)
+    (note,) = [note for note in topics.notes if "another commander" in note]
+    assert note.startswith("stopped by /teleop, but")

@@ -18,6 +18,8 @@ from .remembered import keep
 _RECENT_S = 5.0
 _FINE, _WARNING = 0, 1
 _NEVER_ARMED = (Result.DISARMED, Result.STATE, Result.OK)
+# The robot may confirm a stop before the next command of another commander undoes it.
+_UNDONE_S = 1.0
 # Publishers that are slower than this send single commands.
 _SLOWEST_S = 2.5
 _SLOW_IN_A_ROW = 3
@@ -155,7 +157,8 @@ class Commands:
         self._slow = ""
         self._slow_s = -math.inf
         self._obeyed_s = -math.inf
-        self._watches_stop = False
+        self._watch_until_s = -math.inf
+        self._told_lost_s = -math.inf
         self.state = self._look()
         """For other threads, as of the last :meth:`look`."""
 
@@ -296,16 +299,21 @@ class Commands:
 
     def _watch_stop(self) -> None:
         """Report a stop that another commander, or the game pad, undoes."""
-        facts = self._robot.facts
-        if not self._watches_stop or facts.stopping or facts.stop_outcome is StopOutcome.RUNNING:
+        facts, now_s = self._robot.facts, self._robot.now_s
+        if now_s > self._watch_until_s or facts.stopping:
             return
-        self._watches_stop = False
+        if math.isinf(self._watch_until_s):  # it has just ended
+            self._watch_until_s = now_s + _UNDONE_S
         if facts.other_commander:
-            self._report(
-                f"stopped by {self._stopped_by}, but another commander, which is not this node, "
-                "still drives the robot: end that program, or press an emergency stop"
-            )
+            self._watch_until_s = -math.inf
+            if now_s - self._told_lost_s > _RECENT_S:
+                self._report(
+                    f"stopped by {self._stopped_by}, but another commander, which is not this "
+                    "node, still drives the robot: end that program, or press an emergency stop"
+                )
+            self._told_lost_s = now_s
         elif facts.stop_outcome in {StopOutcome.TIMED_OUT, StopOutcome.OVERRIDDEN}:
+            self._watch_until_s = -math.inf
             self._report(
                 f"stopped by {self._stopped_by}, but the robot did not confirm it "
                 f"({facts.stop_outcome.name.lower().replace('_', ' ')}): watch it"
@@ -320,7 +328,7 @@ class Commands:
             )
         self._stopped_by = sender.text
         self._gate.stop(sender.gid)
-        self._watches_stop = True
+        self._watch_until_s = math.inf
 
     def arm(self) -> tuple[bool, str]:
         """Arm, by the rules under which the next command would; and say why not."""

@@ -114,7 +114,7 @@ class Services:
                 ended.wait(_WAIT_S)
 
     def _look_at_clients(self) -> None:
-        """Name clients that will get no answer."""
+        """Name clients that will probably get no answer."""
         for service in self._services:
             for handle in set(service.reader.get_matched_publications()) - self._seen:
                 self._seen.add(handle)
@@ -123,8 +123,8 @@ class Services:
                 if client and not (data and _CLIENT in data.data):
                     sender = self._senders.of(service.reader, handle)
                     self._report(
-                        f"the client {sender.text} of a service gets no answer, because its rmw "
-                        "layer tells calls apart in another way: start it with "
+                        f"the client {sender.text} of a service gets no answer unless it tells "
+                        "calls apart as rmw_cyclonedds_cpp does: start it with "
                         "RMW_IMPLEMENTATION=rmw_cyclonedds_cpp"
                     )
 
