@@ -123,6 +123,16 @@ def test_an_mcap_file_has_what_the_node_publishes_besides_statuses(
     assert {f"roburoc4: {name}" for name in ("link", "driving", "battery", "versions")} <= names
 
 
+def test_a_recorded_drive_is_no_fault(path: Path, tmp_path: Path) -> None:
+    """Who converts only watches: the recorded program is not in its way."""
+    assert run("convert", str(path), str(tmp_path / "run.mcap")).returncode == 0
+    found = messages(tmp_path / "run.mcap")
+    statuses = [each for _, one in found["/diagnostics"] for each in one.status]
+    driving = [each for each in statuses if each.name == "roburoc4: driving"]
+    assert any("another commander" in each.message for each in driving)
+    assert not [each.message for each in driving if each.level]
+
+
 def test_ros2_bag_finds_qos_and_metadata_in_an_mcap_file(path: Path, tmp_path: Path) -> None:
     out = tmp_path / "run.mcap"
     done = document(run("convert", str(path), str(out), "--json"))

@@ -148,6 +148,19 @@ def test_only_an_unrecorded_commander_is_another_commander(path: Path) -> None:
     assert [text for _, text in events(path, packets)] == ["192.168.0.5:40001 begins to drive"]
 
 
+def test_a_passive_recording_of_a_drive_has_no_fault(path: Path) -> None:
+    def levels(packets: Sequence[Packet]) -> dict[str, str]:
+        items = recordings.open_recording(write(path, packets)).items()
+        found = [item for item in items if isinstance(item, recordings.RecordedEvent)]
+        return {event.text: event.level for event in found}
+
+    other = "another client commands the robot"
+    assert levels([*discovery(), *statuses(BEGIN_US + 100_000, 3.0)])[other] == "plain"
+    before = commands(BEGIN_US + 90_000, 0.2)
+    moved = statuses(BEGIN_US + 3_000_000, 3.0)
+    assert levels([*discovery(), *before, *moved])[other] == "bad", "this one wants to drive, too"
+
+
 def test_what_two_clients_received_is_counted_once(path: Path) -> None:
     packets = drive(2.0)
     copies = [

@@ -55,14 +55,20 @@ def change_text(event: Event, has_begun: bool | None) -> str:
     return _native.roburoc4_name(direction, event)
 
 
-def texts_of(events: Event, before: Dangers, now: Dangers) -> list[tuple[str, str]]:
-    """Describe the events between two readings of the robot for the list: level and text."""
+def texts_of(
+    events: Event, before: Dangers, now: Dangers, *, watches: bool = False
+) -> list[tuple[str, str]]:
+    """Describe the events between two readings of the robot for the list: level and text.
+
+    For a client that only ``watches``, it is no fault that another one drives.
+    """
     found = [(level, event.text) for event, level in _LEVELS.items() if events & event]
     for event, fact in FACTS.items():
         if events & event:
             was, is_now = getattr(before, fact), getattr(now, fact)
             if is_now or not was:  # it may have begun and ended between the two
-                found.append(("bad", change_text(event, True)))
+                is_fine = watches and event is Event.OTHER_COMMANDER
+                found.append(("plain" if is_fine else "bad", change_text(event, True)))
             if not is_now:
                 found.append(("plain", change_text(event, False)))
     return found

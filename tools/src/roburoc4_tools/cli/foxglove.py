@@ -105,5 +105,5 @@ def _serve(robot: Robot, live: Live) -> Never:
         for status in statuses.take(_LOOK_S):
             live.add(status)
         before, facts = facts, robot.facts
-        for level, text in texts_of(events.take(), before, facts):
+        for level, text in texts_of(events.take(), before, facts, watches=True):
             live.add(RecordedEvent(round(robot.now_s * 1e6), level, text))

@@ -68,7 +68,7 @@ def _read(options: RecordOptions, robot: Robot, bag: RosBag, flush: Callable[[],
             for status in statuses.take(min(_LOOK_S, length_s - elapsed_s)):
                 bag.add(status)
             before, facts = facts, robot.facts
-            for level, text in texts_of(events.take(), before, facts):
+            for level, text in texts_of(events.take(), before, facts, watches=True):
                 bag.add(RecordedEvent(round(robot.now_s * 1e6), level, text))
             flush()
             show(elapsed_s, f"recording  {bag.messages} messages")

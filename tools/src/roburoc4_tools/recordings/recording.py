@@ -325,7 +325,7 @@ class _Pass:
         before, self._facts = self._facts, self.robot.facts
         if time_us - self._commanded_us < 2 * _WATCHDOG_US:
             events &= ~Event.OTHER_COMMANDER  # it is in the recording: not another commander
-        found = texts_of(events, before, self._facts)
+        found = texts_of(events, before, self._facts, watches=not self.counts.commands)
         for name in ("front", "rear"):
             was, now = (getattr(facts, name + "_bumper") for facts in (before, self._facts))
             if bool(was) != bool(now):

@@ -3,7 +3,6 @@
 
 import contextlib
 import importlib.metadata
-from collections.abc import Callable
 
 from roburoc4 import __version__
 from roburoc4.constants import BatteryState, Fault, State, StopOutcome
@@ -29,10 +28,12 @@ def conditions(robot: Robot) -> dict[str, bool]:
     return {topic: fact for topic, fact in found.items() if fact is not None}
 
 
-def diagnoses(robot: Robot, node: str) -> list[Diagnosis]:
-    """Return a robot's entry in /diagnostics."""
-    makers: list[Callable[[Robot], Diagnosis]] = [_link, _driving, _battery]
-    found = [make(robot) for make in makers]
+def diagnoses(robot: Robot, node: str, *, watches: bool = False) -> list[Diagnosis]:
+    """Return a robot's entry in /diagnostics.
+
+    For who only ``watches``, it is no fault that another commander drives.
+    """
+    found = [_link(robot), _driving(robot, watches=watches), _battery(robot)]
     versions = {"roburoc4": __version__}
     with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # not for recordings
         versions["cyclonedds"] = importlib.metadata.version("cyclonedds")
@@ -63,13 +64,14 @@ def _link(robot: Robot) -> Diagnosis:
     return Diagnosis(level, "link", text, values)
 
 
-def _driving(robot: Robot) -> Diagnosis:
+def _driving(robot: Robot, *, watches: bool) -> Diagnosis:
     facts = robot.facts
     level, text = _FINE, "armed" if facts.armed else "not armed"
     if facts.inhibited:
         level, text = _WARNING, "a speed is commanded, but the robot does not move"
     elif facts.other_commander:
-        level, text = _WARNING, "another commander drives the robot"
+        level = _FINE if watches else _WARNING
+        text = "another commander drives the robot"
     elif facts.overridden:
         level, text = _WARNING, "somebody drives with the game pad"
     elif facts.stop_outcome in _UNCONFIRMED and not facts.armed:

@@ -42,7 +42,8 @@ class Stream:
         if not is_due:
             return
         self._looked_us = now_us
-        yield "diagnostics", diagnostics(now_us / 1e6, self._address, diagnoses(robot, _NODE))
+        found = diagnoses(robot, _NODE, watches=True)
+        yield "diagnostics", diagnostics(now_us / 1e6, self._address, found)
         properties = robot.properties
         description = urdf(self.messages.frames, properties) if properties.services else ""
         if description != self._description:
