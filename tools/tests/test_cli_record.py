@@ -315,6 +315,16 @@ def test_the_end_of_who_reads_the_pipe_ends_the_recording(tmp_path: Path) -> Non
     assert "was closed" in one_line(done.stderr)
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes on this system")
+def test_a_pipe_that_nobody_reads_is_refused_with_the_reason(tmp_path: Path) -> None:
+    pipe = tmp_path / "run.pcapng"
+    os.mkfifo(pipe)
+    with roburoc4.Simulator(port=0) as sim:
+        done = run("record", str(pipe), "--seconds", "1", robot=sim.address)
+    assert done.returncode == 1
+    assert "nobody reads this pipe" in one_line(done.stderr)
+
+
 @pytest.mark.parametrize("suffix", [".csv", ".mcap", ".pcapng"])
 def test_without_a_robot_no_file_is_left(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"run{suffix}"

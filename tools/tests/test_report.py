@@ -13,8 +13,10 @@ from pathlib import Path
 import pytest
 from capture_support import (
     BEGIN_US,
+    CLIENT,
     ROBOT,
     Packet,
+    command,
     commands,
     discovery,
     drive,
@@ -260,11 +262,11 @@ def test_recover_replaces_nothing_unasked(tmp_path: Path) -> None:
 def test_what_cannot_be_used_is_one_line(tmp_path: Path) -> None:
     text = tmp_path / "a.txt"
     text.write_text("no recording at all")
-    for command in ("report", "recover"):
-        none = run(command, str(tmp_path / "none.pcapng"))
+    for verb in ("report", "recover"):
+        none = run(verb, str(tmp_path / "none.pcapng"))
         assert none.returncode == 2
         assert "none.pcapng" in one_line(none.stderr)
-        wrong = run(command, str(text))
+        wrong = run(verb, str(text))
         assert wrong.returncode == 1
         assert "pcapng" in one_line(wrong.stderr)
     path = write(tmp_path / "a.pcapng", drive(0.1))
@@ -280,3 +282,22 @@ def test_the_commander_who_vanished_is_in_the_report(tmp_path: Path) -> None:
     done = run("report", str(path), "--json")
     assert "watchdog" in json.loads(done.stdout)["events"][-1]["text"]
     assert recordings.open_recording(path).begun_s == BEGIN_US / 1e6
+
+
+def test_terminal_page_and_json_count_the_same_events(tmp_path: Path) -> None:
+    host = CLIENT[0]
+    vanished = [
+        Packet(BEGIN_US + 200_000 + at, (host, 20_000 + at), ROBOT, command(0.3, 0.0))
+        for at in range(2600)  # each begins, and is missed a second later
+    ]
+    moved = statuses(BEGIN_US + 300_000, 3.0)
+    path, page = tmp_path / "a.pcapng", tmp_path / "a.html"
+    write(path, [*discovery(), *vanished, *moved])
+    done = run("report", str(path), "-o", str(page))
+    figures = json.loads(run("report", str(path), "--json").stdout)
+    found = run("events", str(path)).stdout.splitlines()
+    assert len(found) == len(figures["events"]) + figures["more_events"] > 5200
+    assert f"{len(found):,} events in" in done.stdout
+    tile = f"<b>{len(found):,}</b><span>events, {figures['bad_events']:,} of them bad</span>"
+    assert tile in page.read_text("utf-8")
+    assert figures["bad_events"] == sum("  bad  " in line for line in found) == 2600

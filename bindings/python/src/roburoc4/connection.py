@@ -7,6 +7,7 @@ simulator in virtual time. All other code works with any of them.
 
 import atexit
 import contextlib
+import errno
 import os
 import threading
 import warnings
@@ -73,8 +74,11 @@ def open_host(host: str, threaded: bool, settings: Settings) -> "tuple[_native.C
     except OSError as error:
         if record is None or error.filename is None:
             raise
+        why = error.strerror
+        if error.errno == errno.ENXIO:
+            why = "nobody reads this pipe: start Wireshark first"
         raise RecordingError(
-            f"record: {error.filename} cannot be written ({error.strerror})", Result.SYSTEM
+            f"record: {error.filename} cannot be written ({why})", Result.SYSTEM
         ) from None
     if not threaded:
         _native.connection_open_socket(handle, robot)

@@ -81,7 +81,8 @@ def run(options: ReportOptions) -> int:
         with written_whole(output) as path:
             path.write_bytes(page(figures).encode())
     if not options.json:
-        print(f"{output}: {len(document['events'])} events in {document['seconds']:.1f} s")
+        events = len(document["events"]) + document["more_events"]
+        print(f"{output}: {events:,} events in {document['seconds']:.1f} s")
     return ExitCode.FINE
 
 

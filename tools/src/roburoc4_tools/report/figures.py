@@ -174,6 +174,7 @@ class Figures:
         self._theta_rad = 0.0
         self.events: list[RecordedEvent] = []
         self.more_events = 0
+        self.bad_events = 0
         self._digital: tuple[bool, ...] = ()
         self._battery_state: BatteryState | int | None = None
         self._volts_index: int | None = None
@@ -275,6 +276,7 @@ class Figures:
             self.events.append(event)
         else:
             self.more_events += 1
+        self.bad_events += event.level == "bad"
 
     # ---- results ----
 
@@ -366,6 +368,7 @@ class Figures:
                 for event in self.events
             ],
             "more_events": self.more_events,
+            "bad_events": self.bad_events,
         }
 
     def _service(self, name: str) -> dict[str, Any]:

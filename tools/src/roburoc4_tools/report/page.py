@@ -120,7 +120,7 @@ def _tiles(document: dict[str, Any]) -> str:
     lost = sum(service["lost"] for service in services)
     received = sum(service["received"] for service in services)
     fastest = max(abs(speed["low"]), abs(speed["high"])) if speed else None
-    bad = sum(event["level"] == "bad" for event in document["events"])
+    events = len(document["events"]) + document["more_events"]
     tiles = [
         (f"{document['path']['driven_m']:.2f} m", "driven, by odometry"),
         ("-" if fastest is None else f"{fastest:.2f} m/s", "highest speed"),
@@ -129,7 +129,7 @@ def _tiles(document: dict[str, Any]) -> str:
             "battery",
         ),
         (f"{received:,}", f"statuses, {lost:,} lost"),
-        (f"{len(document['events']) + document['more_events']}", f"events, {bad} of them bad"),
+        (f"{events:,}", f"events, {document['bad_events']:,} of them bad"),
     ]
     cells = "".join(
         f"<div><b>{escape(value)}</b><span>{name}</span></div>" for value, name in tiles
