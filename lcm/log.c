@@ -59,7 +59,8 @@ void log_rejection(const char *robot, const log_command *command, const char *wh
         text_for_terminal(sender, sizeof sender, command->sender, command->sender_length);
     }
     log_line(first ? LOG_NOTE : LOG_DETAIL, robot, "%s command %s '%s' rejected: %s",
-             kinds[command->kind], known ? "of" : "on", known ? sender : command->channel, why);
+             command->is_move ? "move" : kinds[command->kind], known ? "of" : "on",
+             known ? sender : command->channel, why);
 }
 
 /* ---------------------------------------------------------------------------------- events --- */

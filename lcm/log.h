@@ -23,6 +23,7 @@ void log_line(enum log_level level, const char *robot, const char *format, ...);
 /* A command, as far as it could be read. */
 typedef struct log_command {
     enum gate_kind kind;
+    bool is_move;
     const char *channel;
     const char *sender; /* NULL if it could not be read; else sender_length bytes */
     size_t sender_length;

@@ -149,22 +149,24 @@ static bool is_group(const char *text) {
     return *text == '\0' || *text == '?';
 }
 
-/* `ttl=N&recv_buf_size=BYTES`, in any order: LCM ignores what it does not know, and a bridge that
- * is heard by nobody, or by everybody, would be the result. */
+/* `ttl=N&recv_buf_size=BYTES`, in any order, each once: LCM ignores what it does not know, and a
+ * bridge that is heard by nobody, or by everybody, would be the result. */
 static bool is_query(const char *text) {
     static const struct {
         const char *key;
         uint32_t max;
     } keys[] = {{"ttl=", 255}, {"recv_buf_size=", 999999999}};
     uint32_t value = 0;
+    bool seen[2] = {false, false};
     for (;; text++) {
         size_t at = 0;
         while (at < 2 && strncmp(text, keys[at].key, strlen(keys[at].key)) != 0) {
             at++;
         }
-        if (at == 2) {
+        if (at == 2 || seen[at]) {
             return false;
         }
+        seen[at] = true;
         text += strlen(keys[at].key);
         if (!number(&text, keys[at].max, &value) || (*text != '\0' && *text != '&')) {
             return false;
@@ -252,7 +254,7 @@ static bool set_url(reading *reading, const known_option *option, const char *va
                           : refuse(reading, remedy);
 }
 
-/* Whether a file can be made at this path, or in this folder. */
+/* Whether a capture can be made at this path, or in this folder. */
 static bool can_record(const char *path) {
     char folder[OPTIONS_MAX_TEXT + 1] = ".";
     struct stat found;
@@ -260,6 +262,10 @@ static bool can_record(const char *path) {
         return access(path, W_OK | X_OK) == 0;
     }
     const char *slash = strrchr(path, '/');
+    const char *suffix = strrchr(path, '.');
+    if (suffix == NULL || strcmp(suffix, ".pcapng") != 0) {
+        return false;
+    }
     if (slash != NULL) {
         size_t length = slash == path ? 1 : (size_t)(slash - path);
         memcpy(folder, path, length);
@@ -279,7 +285,7 @@ static bool set_record(reading *reading, const known_option *option, const char 
     }
     return (value[0] != '\0' && can_record(value)) ||
            refuse(reading, "no file can be made there; give a folder that exists and can be "
-                           "written, or a file in one");
+                           "written, or a file in one, with a name ending in .pcapng");
 }
 
 static bool set_fleet_stop(reading *reading, const known_option *option, const char *value) {
@@ -451,7 +457,7 @@ static options_robot *add_robot(reading *reading, const char *name, size_t lengt
         return NULL;
     }
     if (find_robot(out, name, length) != NULL) {
-        (void)refuse(reading, "there already is a robot with this name");
+        (void)refuse(reading, "there already is a robot with this name; give each its own");
         return NULL;
     }
     *robot = reading->all;

@@ -135,6 +135,22 @@ void publish_properties(robot *robot, gate_time now) {
     SEND(roburoc4_lcm_robot_properties_t, CHANNEL_PROPERTIES, out);
 }
 
+/* Where the library's text is for its callers, that for senders of messages. */
+static const char *move_text(int32_t result) {
+    switch (result) {
+    case ROBUROC4_MOVE_CANCELLED:
+        return "ended by a command, or the robot was disarmed: see BRIDGE_STATE";
+    case ROBUROC4_MOVE_LAPSED:
+        return "it was not sent again before its lease ended: find what blocked the sender, then "
+               "begin again with another move_id";
+    case ROBUROC4_MOVE_TOO_FAST:
+        return "a speed beyond the ceilings: ask for less, or start the bridge with a higher "
+               "--max-linear or --max-angular";
+    default:
+        return roburoc4_move_result_text(result);
+    }
+}
+
 void publish_move_status(robot *robot, gate_time now) {
     const robot_move *moving = &robot->moving;
     roburoc4_lcm_move_status_t out = {
@@ -142,7 +158,7 @@ void publish_move_status(robot *robot, gate_time now) {
         .sender = (char *)moving->sender, /* LCM's encoders only read */
         .move_id = moving->id,
         .result = moving->move.result,
-        .message = (char *)roburoc4_move_result_text(moving->move.result),
+        .message = (char *)move_text(moving->move.result),
         .distance_m = (double)moving->move.distance_m,
         .angle_rad = (double)moving->move.angle_rad,
         .remaining_m = (double)moving->move.remaining_m,

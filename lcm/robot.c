@@ -21,11 +21,21 @@
 #define MOVE_OVER_US 1000000u /* for so long the end of a move is published */
 #define ABSENT_US 1000000u
 #define REOPEN_US 1000000u
+#define YEAR_US (INT64_C(31536000) * 1000000)
 /* Another bridge counts as gone after its state was not received for this long. Older states are
  * replays. */
 #define OTHER_BRIDGE_US 2000000u
 
 /* -------------------------------------------------------------------------------- commands --- */
+
+/* Seconds, milliseconds or nanoseconds, or since something else. The gate has compared utime with
+ * now, so it is positive, and the difference cannot overflow. */
+static bool is_in_other_unit(const robot *robot, enum gate_verdict verdict, int64_t utime,
+                             gate_time now) {
+    return (verdict == GATE_TOO_OLD || verdict == GATE_IN_FUTURE) &&
+           robot->gate.rules.max_age_us != 0 &&
+           (now.utime - utime > YEAR_US || utime - now.utime > YEAR_US);
+}
 
 /* The cause and the remedy: what the robot says is more exact than the gate's verdict. */
 static void write_reason(const robot *robot, enum gate_verdict verdict, const log_command *command,
@@ -36,7 +46,14 @@ static void write_reason(const robot *robot, enum gate_verdict verdict, const lo
         !options_allows(robot->settings, command->sender, command->sender_length)) {
         (void)snprintf(room, capacity, "only senders %s are obeyed (--allow-sender)",
                        robot->settings->allowed);
-    } else if (verdict == GATE_IMPOSSIBLE && command->kind == GATE_DRIVE) {
+    } else if (is_in_other_unit(robot, verdict, command->utime, now)) {
+        (void)snprintf(room, capacity,
+                       "its utime is not of this year: give microseconds since 1970");
+    } else if (verdict == GATE_UNITS && command->is_move) {
+        (void)snprintf(room, capacity,
+                       "angles are in radians, at most two turns; speeds in m/s and rad/s, at most "
+                       "5 and 10");
+    } else if (verdict == GATE_IMPOSSIBLE && command->is_move) {
         (void)snprintf(
             room, capacity,
             "there is no such move: its kind is BY, TO_POINT or TO_POSE, it is at most 10 "
@@ -70,7 +87,9 @@ static void log_rejected(robot *robot, enum gate_verdict verdict, const log_comm
 static log_command for_log(const robot *robot, const command *command, bool readable) {
     const int channel =
         command->is_move ? CHANNEL_MOVE_CMD : (int)CHANNEL_DRIVE_CMD + (int)command->kind;
-    log_command for_log = {.kind = command->kind, .channel = robot->channels->name[channel]};
+    log_command for_log = {.kind = command->kind,
+                           .is_move = command->is_move,
+                           .channel = robot->channels->name[channel]};
     if (readable) {
         for_log.sender = command->sender;
         for_log.sender_length = command->sender_length;
@@ -156,8 +175,9 @@ static void take_move(robot *robot, const command *command, uint32_t lease_us, g
     text_copy(wanted.sender, sizeof wanted.sender, (const uint8_t *)command->sender,
               command->sender_length);
     if (!moving->known || moving->id != wanted.id || strcmp(moving->sender, wanted.sender) != 0) {
-        if (begin_move(&wanted.move, command) < 0) {
-            verdict = GATE_IMPOSSIBLE;
+        const roburoc4_result begun = begin_move(&wanted.move, command);
+        if (begun < 0) {
+            verdict = begun == ROBUROC4_ERR_UNITS ? GATE_UNITS : GATE_IMPOSSIBLE;
             gate_reject(&robot->gate, verdict);
         } else {
             verdict = gate_arm(&robot->gate, &robot->client, now.us);
@@ -626,7 +646,8 @@ void robot_start(robot *robot, uint32_t number, const options_robot *settings, l
 }
 
 void robot_close(robot *robot, gate_time now) {
-    robot->has_drive = robot->moving.active = false;
+    robot->has_drive = false;
+    cancel_move(robot, now);
     (void)roburoc4_client_close(&robot->client, now.us);
 }
 
@@ -638,6 +659,9 @@ void robot_end(robot *robot) {
     gate_time now = clock_now();
     publish_bridge_statistics(robot, now);
     publish_bridge_state(robot, now);
+    if (robot->move_status.due) {
+        publish_move_status(robot, now);
+    }
     watch_set(robot->number, -1);
     (void)roburoc4_udp_close(&robot->udp);
 }

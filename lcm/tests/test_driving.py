@@ -109,6 +109,8 @@ def relocalizations(robot: Robot) -> list[bytes]:
         ({"utime": -(2**63), "lease_us": -(2**31)}, "rejected_no_utime"),
         ({"ahead_us": -1_000_000}, "rejected_too_old"),
         ({"ahead_us": 1_000_000}, "rejected_in_future"),
+        ({"utime": 1_700_000_000}, "rejected_too_old"),
+        ({"utime": 1_700_000_000_000_000_000}, "rejected_in_future"),
         ({"sender": ""}, "rejected_sender"),
         ({"sender": "x" * 64}, "rejected_sender"),
     ],
@@ -134,6 +136,7 @@ def test_a_command_is_rejected_and_counted_by_cause(
     assert (state.rejected_sender, state.rejected_utime) == (command.sender[:63], command.utime)
     assert state.rejected_message in willing.output
     assert ("--max-age-ms" in state.rejected_message) == ("ahead_us" in fault)
+    assert ("microseconds since 1970" in state.rejected_message) == (fault.get("utime", 0) > 0)
 
 
 def test_outputs_are_set(robot: Robot, bus: Bus, willing: Bridge) -> None:

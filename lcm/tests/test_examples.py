@@ -121,7 +121,7 @@ def test_the_move_of_the_page_reaches_its_goal(
     script.write_text(text)
     example = run(sys.executable, script, LCM_DEFAULT_URL=bus.url)
     assert example.ends(40) == 0, example.output
-    assert "no result" not in example.output
+    assert "not obeyed" not in example.output
     assert robot.true_pose()[0] == pytest.approx(0.5, abs=0.1), example.output
     until(robot.stands, "the robot stands")
 

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Moves that the bridge drives: leased and gated as speeds are."""
 
+import signal
 import time
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from typing import Any
 
@@ -10,6 +12,7 @@ import roburoc4_lcm
 from rig import Bridge, Bus, Robot, until
 from rig.bus import drive_command, move_command, now_us, repeated, stop_command
 
+StartBridge = Callable[..., Bridge]
 Status = roburoc4_lcm.move_status_t
 Command = roburoc4_lcm.move_command_t
 MOVE = "ROBUROC4_MOVE_CMD"
@@ -90,3 +93,42 @@ def test_a_speed_of_its_sender_ends_a_move(robot: Robot, bus: Bus, armed: Bridge
     bus.publish("ROBUROC4_DRIVE_CMD", drive_command(-0.25).encode())
     ends_as(bus, armed, 1, Status.RESULT_CANCELLED)
     until(lambda: robot.tap.moves()[-1].linear_m_s == -0.25, "the speed is driven")
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"angle_rad": 90.0},
+        {"distance_m": 1.0, "linear_m_s": 30.0},
+        {"angle_rad": 1.0, "angular_rad_s": 45.0},
+    ],
+    ids=["degrees", "speed", "degrees a second"],
+)
+def test_other_units_are_named(
+    robot: Robot, bus: Bus, armed: Bridge, fields: dict[str, float]
+) -> None:
+    with moving(bus, 1, **fields):
+        until(lambda: armed.state.rejected_cause == armed.state.REJECTED_UNITS, "it is rejected")
+    assert "radians, at most two turns" in armed.state.rejected_message
+    assert "move command of 'planner' rejected" in armed.output
+    assert robot.tap.moves() == []
+
+
+def test_texts_are_those_of_lcm(robot: Robot, bus: Bus, start_bridge: StartBridge) -> None:
+    bridge = start_bridge("--enable-drive", "--max-linear", "0.4").arms()
+    bus.publish(MOVE, move_command(1, distance_m=3.0).encode())
+    assert "move_id" in ends_as(bus, bridge, 1, Status.RESULT_LAPSED).message
+    with moving(bus, 2, distance_m=1.0, linear_m_s=0.5):
+        assert "--max-linear" in ends_as(bus, bridge, 2, Status.RESULT_TOO_FAST).message
+    with moving(bus, 3, distance_m=3.0):
+        until(lambda: status_of(bus, 3), "it begins")
+        bus.publish("ROBUROC4_STOP_CMD", stop_command("operator").encode())
+        status = ends_as(bus, bridge, 3, Status.RESULT_CANCELLED)
+    assert "BRIDGE_STATE" in status.message
+
+
+def test_the_end_of_the_bridge_ends_a_move(robot: Robot, bus: Bus, armed: Bridge) -> None:
+    with moving(bus, 1, distance_m=3.0):
+        until(robot.tap.moves, "it drives")
+        armed.signal(signal.SIGTERM)
+        ends_as(bus, armed, 1, Status.RESULT_CANCELLED, 3)

@@ -84,7 +84,7 @@ TEST(LcmOptions, RecordAllRobotsInOneFile) {
     EXPECT_STREQ("", read({}).out->record);
     EXPECT_STREQ("run.pcapng", read({"--record", "run.pcapng"}).out->record);
     const std::string folder = testing::TempDir();
-    for (const std::string &path : {folder, folder + "robots", folder + "run.pcapng"}) {
+    for (const std::string &path : {folder, folder + "run.pcapng"}) {
         const Read r = read_file("[DEFAULT]\nrecord = " + path + "\n[A]\naddress = a\n");
         EXPECT_EQ(OPTIONS_RUN, r.result) << r.error;
         EXPECT_EQ(path, r.out->record);
@@ -178,10 +178,13 @@ TEST(LcmOptions, RejectInvalidValuesAndNameThem) {
         {{"--record", "/no/such/folder/run.pcapng"}, "no file can be made there"},
         {{"--record", "/dev/null/run.pcapng"}, "no file can be made there"},
         {{"--record", "/no-such-folder/"}, "no file can be made there"},
+        {{"--record", "run.csv"}, "ending in .pcapng"},
+        {{"--record", "runs"}, "ending in .pcapng"},
         {{"-l", "udpm://239.255.76.67:7667?ttl=x"}, "ttl=0 (this machine) to ttl=255"},
         {{"-l", "udpm://239.255.76.67:7667?ttl=999"}, "ttl=0 (this machine) to ttl=255"},
         {{"-l", "udpm://239.255.76.67:7667?ttl="}, "ttl=0 (this machine) to ttl=255"},
         {{"-l", "udpm://?tttl=0"}, "after the ? give"},
+        {{"-l", "udpm://?ttl=0&ttl=1"}, "after the ? give"},
         {{"-l", "udpm://?ttl=0&"}, "after the ? give"},
         {{"-l", "udpm://?ttl=0&ttl"}, "after the ? give"},
         {{"-l", "udpm://?"}, "after the ? give"},
@@ -317,7 +320,8 @@ TEST(LcmConfigFile, ErrorsNameTheLineAndTheRemedy) {
         {"[RED]\nchannel.STOP_CMD = HALT\n", "fleet.ini:2: channel.STOP_CMD = HALT: names of"},
         {"[RED]\nlcm-url = udpm://\n", "fleet.ini:2: lcm-url = udpm://: put it into [DEFAULT]"},
         {"[DEFAULT]\naddress = 10.0.0.1\n", "fleet.ini:2: address = 10.0.0.1: put it into"},
-        {"[RED]\naddress = a\n[RED]\n", "fleet.ini:3: [RED]: there already is a robot"},
+        {"[RED]\naddress = a\n[RED]\n",
+         "fleet.ini:3: [RED]: there already is a robot with this name; give each its own"},
         {"[RED]\naddress = a\n[DEFAULT]\n", "fleet.ini:3: [DEFAULT]: put [DEFAULT], which"},
         {"[A B]\n", "fleet.ini:1: 'A B' cannot be the start"},
         {"[]\naddress = a\n", "fleet.ini:1: a section such as"},
