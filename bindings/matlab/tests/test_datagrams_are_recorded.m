@@ -16,6 +16,9 @@ delete(file);
 check(isequal(bytes(1:4)', uint8([10 13 13 10])), 'not a pcapng file');
 check(numel(bytes) > 100 * statuses, 'only %d bytes', numel(bytes));
 check_raises('roburoc4:badArgument', @() roburoc4.Robot(sim.address, 'record', tempdir_none()));
+table = [tempname() '.csv'];
+check_raises('roburoc4:badArgument', @() roburoc4.Robot(sim.address, 'record', table));
+check(~exist(table, 'file'), 'a capture is named as a table is');
 delete(sim);
 
 virtual = roburoc4.Simulator();

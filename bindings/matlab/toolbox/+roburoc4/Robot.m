@@ -135,6 +135,7 @@ methods
         [options, own] = roburoc4.internal.options(varargin, own, false);
         timeout = roburoc4.internal.number(own.timeout, 'timeout', 0, 1e6);
         patient = roburoc4.internal.number(own.wait_for_data, 'wait_for_data', 0, 1) ~= 0;
+        own.record = roburoc4.Robot.capture(own.record);
         if isa(address, 'roburoc4.Simulator')
             this.id = roburoc4_mex('simConnect', address.id, options, own.buffer, own.record);
         else
@@ -709,6 +710,18 @@ methods (Access = private)
 end
 
 methods (Static, Access = private)
+    function file = capture(file)
+        % A capture that is named after something else is not found again.
+        if isequal(file, '')
+            return
+        end
+        file = roburoc4.internal.text(file, 'record');
+        if exist(file, 'dir') ~= 7 && isempty(regexp(file, '\.pcapng$', 'once'))
+            error('roburoc4:badArgument', ['record: ''%s'' cannot be used; give a name that ends in ' ...
+                '.pcapng, or a folder that exists'], file);
+        end
+    end
+
     function angle_rad = radians(angle_rad, name)
         angle_rad = roburoc4.internal.number(angle_rad, name, -1e9, 1e9);
         if abs(angle_rad) > 2 * pi + 0.01
