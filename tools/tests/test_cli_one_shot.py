@@ -136,6 +136,8 @@ def test_relocalize_takes_degrees_and_refuses_what_looks_like_them() -> None:
         done = run("relocalize", "1", "2", "90", robot=sim.address)
         assert done.returncode == 2
         assert "did you mean 90deg?" in one_line(done.stderr)
+        done = run("relocalize", "1", "2", "north", robot=sim.address)
+        assert "did you mean" not in one_line(done.stderr)
 
 
 def test_relocalize_without_the_service_is_refused() -> None:

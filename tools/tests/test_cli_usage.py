@@ -243,7 +243,8 @@ def test_other_shells_have_a_completion_script(shell: str) -> None:
 
 def test_fish_completes_commands_options_and_choices(tmp_path: Path) -> None:
     script = run("completion", "fish").stdout
-    assert "-n __fish_use_subcommand -a monitor -d 'show what" in script
+    assert "-n __roburoc4_needs_command -f -a monitor -d 'show what" in script
+    assert "-n __roburoc4_needs_command -l robot -r -d" in script
     assert "'__fish_seen_subcommand_from move' -l speed -r -d" in script
     assert "'__fish_seen_subcommand_from move' -l yes -s y -d" in script
     assert "'__fish_seen_subcommand_from completion' -f -a 'bash zsh tcsh fish'" in script
@@ -251,7 +252,13 @@ def test_fish_completes_commands_options_and_choices(tmp_path: Path) -> None:
         return
     file = tmp_path / "roburoc4.fish"
     file.write_text(script)
-    for line, expected in {"roburoc4 moni": "monitor", "roburoc4 move --sp": "--speed"}.items():
+    lines = {
+        "roburoc4 moni": "monitor",
+        "roburoc4 move --sp": "--speed",
+        "roburoc4 --rob": "--robot",
+        "roburoc4 --robot 10.0.0.1 moni": "monitor",
+    }
+    for line, expected in lines.items():
         done = subprocess.run(
             [fish, "--no-config", "-c", f"source {file}; complete -C '{line}'"],
             capture_output=True,

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from .errors import ExitCode
 from .options import Options
@@ -53,24 +53,31 @@ def run(options: CompletionOptions) -> int:
 def _fish(top: argparse.ArgumentParser) -> Iterator[str]:
     """Write it for fish, which shtab does not know: commands, their options, and choices."""
     (commands,) = [a for a in top._actions if isinstance(a, argparse._SubParsersAction)]
-    yield "complete -c roburoc4 -f -n __fish_use_subcommand"
+    # fish's own __fish_use_subcommand takes the value of an option before the command for one.
+    yield "function __roburoc4_needs_command"
+    yield f"    not __fish_seen_subcommand_from {' '.join(commands.choices)}"
+    yield "end"
+    needed = "complete -c roburoc4 -n __roburoc4_needs_command"
+    yield f"{needed} -f"
     for choice in commands._choices_actions:
-        yield (
-            f"complete -c roburoc4 -f -n __fish_use_subcommand -a {choice.dest}"
-            f" -d {_quoted(choice.help or '')}"
-        )
+        yield f"{needed} -f -a {choice.dest} -d {_quoted(choice.help or '')}"
+    yield from _fish_options(needed, (a for a in top._actions if a is not commands))
     for name, command in commands.choices.items():
         seen = f"complete -c roburoc4 -n '__fish_seen_subcommand_from {name}'"
-        for action in command._actions:
-            flags = "".join(
-                f" -l {flag[2:]}" if flag.startswith("--") else f" -s {flag[1:]}"
-                for flag in action.option_strings
-            )
-            value = " -r" if action.option_strings and action.nargs != 0 else ""
-            if action.choices:
-                value += f" -f -a {_quoted(' '.join(map(str, action.choices)))}"
-            if flags or action.choices:
-                yield f"{seen}{flags}{value} -d {_quoted(_plain(action.help))}"
+        yield from _fish_options(seen, command._actions)
+
+
+def _fish_options(when: str, actions: Iterable[argparse.Action]) -> Iterator[str]:
+    for action in actions:
+        flags = "".join(
+            f" -l {flag[2:]}" if flag.startswith("--") else f" -s {flag[1:]}"
+            for flag in action.option_strings
+        )
+        value = " -r" if action.option_strings and action.nargs != 0 else ""
+        if action.choices:
+            value += f" -f -a {_quoted(' '.join(map(str, action.choices)))}"
+        if flags or action.choices:
+            yield f"{when}{flags}{value} -d {_quoted(_plain(action.help))}"
 
 
 def _plain(text: str | None) -> str:

@@ -416,7 +416,7 @@ def _healthy(found: LcmFindings) -> Verdict:
         0,
         "healthy",
         ExitCode.FINE,
-        f"{len(found.bridges)} channels of bridges are heard and hear this computer",
+        "every bridge that is heard hears this computer, too",
         f"driving is not enabled (--enable-drive) for {', '.join(watching)}"
         if watching
         else "nothing to fix",

@@ -89,7 +89,7 @@ def angle(text: str) -> float:
     """Convert radians, or degrees as in 90deg."""
     degrees = text.strip().lower().removesuffix("deg")
     if degrees == text.strip().lower():
-        plain = f"rad; did you mean {degrees}deg?"
+        plain = f"rad; did you mean {degrees}deg?" if _is_number(degrees) else "rad"
         return number(-2 * math.tau, 2 * math.tau, plain)(text)
     return math.radians(number(-570000.0, 570000.0, "degrees")(degrees))
 

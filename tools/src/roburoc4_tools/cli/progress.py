@@ -22,7 +22,7 @@ def progress(title: str, total: float | None, unit: str = "s") -> Iterator[Show]
 
     amount = "Ctrl-C ends it"
     if total is not None:
-        amount = f"{{task.completed:.3g}} of {total:.3g} {unit} in"
+        amount = f"{{task.completed:.2f}} of {total:.3g} {unit} in"
     bar = Progress(
         TextColumn("{task.description}"),
         BarColumn(),
