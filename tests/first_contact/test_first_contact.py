@@ -1,24 +1,34 @@
 # SPDX-License-Identifier: MIT
 """First contact with simulated robots in virtual time; $ROBUROC4_SIM_LIBRARY is the simulator."""
 
+import getpass
 import json
+import math
 import os
+import platform
+import random
 import signal
 import struct
 import sys
+import tempfile
 import unittest
+import zipfile
+from collections.abc import Iterator
 from contextlib import suppress
+from datetime import date
+from itertools import pairwise
 from pathlib import Path
 from unittest import mock
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from family import contact_with, wrong
+from family import Member, contact_with, wrong
 from member import Library, VirtualWorld
 
 from roburoc4_tools.cli.keyboard import Key
 from roburoc4_tools.cli.signals import Signalled
-from roburoc4_tools.first_contact.contact import Contact
+from roburoc4_tools.first_contact import bundle
+from roburoc4_tools.first_contact.contact import STEPS, Contact
 from roburoc4_tools.first_contact.session import ReleasedError, Session, number
 from roburoc4_tools.first_contact.terminal import TerminalWorld
 
@@ -36,11 +46,40 @@ def commands(s: Session) -> list[tuple[float, tuple[float, float]]]:
     ]
 
 
+def packets(file: bytes) -> Iterator[tuple[float, bytes]]:
+    """Yield when each datagram was recorded, in s, and its IPv4 header."""
+    at = 0
+    while at < len(file):
+        kind, size = struct.unpack_from("<2I", file, at)
+        if kind == 6:
+            high, low = struct.unpack_from("<2I", file, at + 12)
+            yield ((high << 32) + low) / 1e6, file[at + 28 : at + 48]
+        at += size
+
+
 class FirstContact(unittest.TestCase):
     """What a person with docs/first-contact.md is promised."""
 
-    def setUp(self) -> None:
-        self.library = Library(Path(os.environ["ROBUROC4_SIM_LIBRARY"]))
+    library: Library
+    lasts: dict[str, tuple[int, float]]
+    """How many waits, and seconds, each step takes."""
+    whole: Contact
+    """With a robot that is driven to the end."""
+    member: Member
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.library = Library(Path(os.environ["ROBUROC4_SIM_LIBRARY"]))
+        config, drawn = cls.library.member(DRIVEN)
+        cls.member = Member(drawn)
+        world = VirtualWorld(cls.library, config, bool(drawn["other_status_port"]))
+        cls.whole = Contact(world)
+        begins = [(step.name, world.waits, world.now_s) for step in cls.whole.steps()]
+        begins.append(("", world.waits, world.now_s))
+        cls.lasts = {
+            name: (next_waits - waits, next_s - now_s)
+            for (name, waits, now_s), (_name, next_waits, next_s) in pairwise(begins)
+        }
 
     def contact(self, seed: int, **changes: float) -> Contact:
         config, drawn = self.library.member(seed, **changes)
@@ -62,7 +101,7 @@ class FirstContact(unittest.TestCase):
                 assert wrong(contact, member) == []
 
     def test_a_simulator_with_the_robot_file_is_that_robot(self) -> None:
-        contact, member = contact_with(self.library, DRIVEN)
+        contact, member = self.whole, self.member
         simulated = self.library.of_robot_file(contact.session.known)
         for name, value, tolerance in (*member.answers(), *member.on_wheels()):
             if name in simulated:
@@ -70,18 +109,35 @@ class FirstContact(unittest.TestCase):
         assert simulated["input_shift"] == member.t["input_shift"]
         assert abs(simulated["watchdog_cycles"] - member.t["watchdog_cycles"]) <= 5
 
-    def test_an_interrupted_contact_goes_on_where_it_was(self) -> None:
-        whole, _member = contact_with(self.library, DRIVEN)
-        first = self.contact(DRIVEN)
-        for step in first.steps():
-            if step.name == "watchdog":
-                break
-        second = Contact(first.session.world)
-        second.resume(json.loads(json.dumps(first.state())))
-        names = [step.name for step in second.steps()]
-        assert names[0] == "watchdog"
-        assert whole.session.known.keys() == second.session.known.keys()
-        assert second.refused is None
+    def test_interrupted_anywhere_in_any_step_it_goes_on_with_that_step(self) -> None:
+        left = {
+            name: [waits * 3 // 4, waits // 2, 1] if waits > 2 else []
+            for name, (waits, _seconds) in self.lasts.items()
+        }
+        interruptions = sum(map(len, left.values()))
+        config, drawn = self.library.member(DRIVEN)
+        world = VirtualWorld(self.library, config, bool(drawn["other_status_port"]))
+        contact, state, begun = Contact(world), "", ""
+        interrupted = 0
+        while len(contact.done) < len(STEPS):
+            assert contact.refused is None
+            try:
+                for step in contact.steps():
+                    begun = step.name
+                    # The command keeps it so before each step: all that is left of a killed one.
+                    state = json.dumps(contact.state())
+                    world.interrupt_at_wait = world.waits + left[begun].pop() if left[begun] else -1
+            except KeyboardInterrupt:
+                interrupted += 1
+                if interrupted % 2:
+                    contact.session.leave()
+                contact = Contact(world)
+                contact.resume(json.loads(state))
+                contact.rejoin()
+                assert next(iter(contact.steps())).name == begun
+        assert interrupted == interruptions, (interrupted, interruptions, left)
+        found = wrong(contact, Member(drawn))
+        assert found == [], found
 
     def test_nothing_moves_unless_the_key_is_held(self) -> None:
         contact = self.contact(DRIVEN)
@@ -90,6 +146,43 @@ class FirstContact(unittest.TestCase):
         spoken = [step.name for step in contact.steps() if step.name == "stops"]
         assert spoken == ["stops"]
         assert "hold" in world.asked
+
+    def test_let_go_at_any_time_of_any_step_no_speed_is_sent_until_it_is_held_again(self) -> None:
+        contact = self.contact(DRIVEN)
+        world, s = contact.session.world, contact.session
+        chance = random.Random(39)
+        please, left, longest_s = world.please, 0, 0.0
+
+        def let_go_once_more() -> None:
+            nonlocal left
+            left -= 1
+            if left >= 0:
+                world.let_go_at_s = world.now_s + chance.uniform(0.0, longest_s)
+
+        def ask(key: str, text: str) -> None:
+            please(key, text)
+            if key == "again":
+                world.holds = False
+                world.hold("")
+                let_go_once_more()
+
+        world.please = ask
+        for step in contact.steps():
+            left, longest_s = 8 if step.moves else 0, self.lasts[step.name][1]
+            world.let_go_at_s = math.inf
+            let_go_once_more()
+        assert contact.refused is None
+        sent = commands(s)
+        stopped = 0
+        for let_go_s, again_s in world.let_go:
+            before = [speeds for at_s, speeds in sent if at_s <= let_go_s]
+            after = [(at_s, v) for at_s, v in sent if let_go_s < at_s <= again_s]
+            assert not any(any(v) for _at_s, v in after)
+            if before and any(before[-1]):
+                stopped += 1
+                assert after[0][0] - let_go_s < 0.03
+                assert len(after) > 3
+        assert stopped > 10, (stopped, len(world.let_go))
 
     def test_letting_go_stops_the_robot_and_repeats_the_step(self) -> None:
         contact = self.contact(DRIVEN)
@@ -100,8 +193,8 @@ class FirstContact(unittest.TestCase):
             if step.name == "reports":
                 break
         assert "again" in world.asked
-        let_go_s = world.let_go_at_s
-        sent = [v for at_s, v in commands(s) if let_go_s < at_s < world.held_again_s]
+        let_go_s, again_s = world.let_go[0]
+        sent = [v for at_s, v in commands(s) if let_go_s < at_s < again_s]
         assert len(sent) > 3
         assert not any(map(any, sent))
 
@@ -160,6 +253,78 @@ class FirstContact(unittest.TestCase):
 
         assert number(ask, "How many metres?") == 1.25
         assert asked[1] == "'a metre' is no number; give one such as 1.25. How many metres?"
+
+    def test_what_is_sent_to_the_project_has_no_address_no_name_and_no_date(self) -> None:
+        contact = self.whole
+        with tempfile.TemporaryDirectory(prefix="somebody") as folder:
+            bundle.write(contact, Path(folder), "contact.pcapng", {})
+            with zipfile.ZipFile(Path(folder) / "contact.zip") as archive:
+                files = {info.filename: archive.read(info) for info in archive.infolist()}
+                assert {info.date_time[0] for info in archive.infolist()} == {1980}
+        assert files.keys() == {"contact.html", "contact.pcapng", "row.md"}
+        private = (
+            platform.node(),
+            f"/{getpass.getuser()}",
+            "somebody",
+            str(date.today().year),
+            "/home/",
+        )
+        for name, content in files.items():
+            for text in private:
+                assert text.encode() not in content, (name, text)
+        heads = list(packets(files["contact.pcapng"]))
+        assert len(heads) == len(contact.session.log)
+        assert heads[0][0] == 0.0
+        assert abs(heads[-1][0] - contact.session.world.now_s) < 60.0
+        # IPv4 without a frame of Ethernet: no hardware address; 192.0.2.0/24 is nobody's.
+        assert {head[:1] for _at_s, head in heads} == {b"\x45"}
+        assert {head[12:15] for _at_s, head in heads} == {bytes([192, 0, 2])}
+        assert {head[16:19] for _at_s, head in heads} == {bytes([192, 0, 2])}
+
+    def test_the_page_draws_steps_watchdog_and_clock_and_what_people_did(self) -> None:
+        contact = self.whole
+        page = bundle.page(contact, {"another": contact.session.known | {"override_index": 9}})
+        for title in ("Step of the forward speed", "After the last command", "The two clocks"):
+            assert title in page
+        assert page.count("<svg") == 4
+        assert "another: override_index (8, not 9)" in page
+        watched = dict(contact.session.watched)
+        assert watched["Pressed the rear bumper."] == "digital inputs: 1 went on"
+        sticks = next(saw for did, saw in watched.items() if did.startswith("Push the left stick"))
+        assert sticks.startswith("analog 4 to +1.00, analog 4 to -1.00, analog 3 to -1.00")
+        board = watched["A board 0.5 m in front of telemeter 1, which points to 180 degrees."]
+        assert board.endswith("0.50 m then")
+        outage = watched["The network cable was pulled while the wheels turned."]
+        assert outage.startswith("Afterwards the wheels turned at 0.00 m/s")
+
+    def test_the_simulator_is_in_the_table_of_known_robots(self) -> None:
+        contact = Contact(VirtualWorld(self.library, self.library.usual(), other_port=False))
+        for _step in contact.steps():
+            pass
+        file = Path(bundle.__file__).parent / "known" / "simulator.txt"
+        lines = [line.split(" = ") for line in file.read_text().splitlines() if " = " in line]
+        known = {name: float(value) for name, value in lines}
+        assert known.keys() == contact.session.known.keys()
+        assert bundle.differing(known, contact.session.known) == []
+        page = Path(__file__).parents[2] / "docs" / "first-contact.md"
+        row = bundle.row(contact.session.known, "the simulator's defaults (simulated)")
+        assert row in page.read_text(encoding="utf-8").splitlines()
+
+    def test_a_network_that_loses_datagrams_is_reported_and_another_sender_refused(self) -> None:
+        contact = self.contact(DRIVEN)
+        world = contact.session.world
+        for step in contact.steps():
+            if step.name == "network":
+                world.loses = 0.2
+            if step.name == "errors":
+                break
+        assert 5 < contact.session.notes["lost, of 100 requests"] < 60
+        contact = self.contact(DRIVEN)
+        world = contact.session.world
+        world.other_sender = (0.1, 0.0)
+        assert [step.name for step in contact.steps()] == ["directory", "network"]
+        assert contact.refused is not None
+        assert contact.refused.reason == "other_sender"
 
     def test_a_robot_that_endangers_is_refused_with_the_reason(self) -> None:
         for change, reason in (

@@ -29,7 +29,7 @@ from cli_support import Terminal, document, one_line, run
 
 from roburoc4_tools import recordings
 from roburoc4_tools.report.figures import Path as Way
-from roburoc4_tools.report.figures import Series
+from roburoc4_tools.report.series import Series
 
 
 @pytest.fixture

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
-import zipfile
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -55,7 +56,7 @@ def _run(options: ContactOptions) -> int:
     from roburoc4.protocol import resolve
 
     from ..first_contact import bundle
-    from ..first_contact.contact import Contact
+    from ..first_contact.contact import STEPS, Contact
     from ..first_contact.terminal import TerminalWorld
     from .keyboard import Keyboard
 
@@ -72,7 +73,11 @@ def _run(options: ContactOptions) -> int:
         contact = Contact(world)
         _resume(contact, options.folder, world)
         try:
-            _go(contact, options.folder)
+            for number, step in enumerate(contact.steps(), len(contact.done) + 1):
+                _keep(contact, options.folder, name)  # a killed one goes on from here, too
+                title = f"Step {number} of {len(STEPS)}, {step.name}"
+                title += f", {step.lasts}" if step.lasts else ""
+                world.say(f"\n{title}. {step.moves or 'Nothing moves.'}")
         except (KeyboardInterrupt, Signalled):
             note("interrupted: the same command goes on where this was")
             raise
@@ -90,35 +95,43 @@ def _run(options: ContactOptions) -> int:
 
 
 def _resume(contact: Contact, folder: Path, world: TerminalWorld) -> None:
-    try:
-        state = json.loads((folder / _STATE).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        for text in _CHECKLIST:
-            world.please("checklist", text)
-        return
-    contact.resume(state)
-    note(f"going on after {len(contact.done)} steps")
-
-
-def _go(contact: Contact, folder: Path) -> None:
-    for step in contact.steps():
-        note(f"\n{step.name}: {step.moves or 'nothing moves'}")
-        (folder / _STATE).write_text(json.dumps(contact.state()), encoding="utf-8")
+    """Confirm the checklist, and go on where an earlier session was, if there was one."""
+    for text in _CHECKLIST:
+        world.please("checklist", text)
+    with suppress(FileNotFoundError):
+        contact.resume(json.loads((folder / _STATE).read_text(encoding="utf-8")))
+        note(f"going on after {len(contact.done)} steps")
+        contact.rejoin()
 
 
 def _keep(contact: Contact, folder: Path, name: str) -> None:
-    from roburoc4 import robot_file
-
     from ..first_contact import bundle
 
     (folder / _STATE).write_text(json.dumps(contact.state()), encoding="utf-8")
     if contact.session.known:
-        robot_file.save(folder / _FILE, contact.session.known)
-    bundle.write(contact, folder, name)
-    with zipfile.ZipFile(folder / "contact.zip", "w", zipfile.ZIP_DEFLATED) as archive:
-        for path in (folder / _FILE, folder / "contact.html", *folder.glob("contact*.pcapng")):
-            if path.exists():
-                archive.write(path, path.name)
+        _save(folder / _FILE, contact.session.known)
+    bundle.write(contact, folder, name, _known_robots())
+
+
+def _save(path: Path, known: dict[str, float]) -> None:
+    """Write the robot file, without what no robot file can hold."""
+    from roburoc4 import ArgumentError, robot_file
+
+    fitting = {}
+    for name, value in known.items():
+        with suppress(ArgumentError):
+            robot_file.save(os.devnull, {name: value})
+            fitting[name] = value
+    robot_file.save(path, fitting)
+
+
+def _known_robots() -> dict[str, dict[str, float]]:
+    from roburoc4 import robot_file
+
+    from .. import first_contact
+
+    folder = Path(first_contact.__file__).parent / "known"
+    return {path.stem: robot_file.load(path) for path in sorted(folder.glob("*.txt"))}
 
 
 def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, name: str) -> None:
@@ -130,20 +143,21 @@ def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, nam
         "Robot on the ground, 5 m free all around. It will move 1 m, turn left "
         "by 90 degrees, and stop from 0.3 and 0.6 m/s. If not: emergency stop.",
     )
-    with session.connected(options, robot_file=options.folder / _FILE) as robot:
+
+    def ask(text: str) -> str:
+        answer = world.ask("measured", text)
+        world.hold("Hold the space bar again.")
+        return answer
+
+    unscaled = {"scale_linear": 1.0, "scale_angular": 1.0}
+    found: dict[str, float] = {}
+    with session.connected(options, robot_file=options.folder / _FILE, **unscaled) as robot:
         world.hold("Hold the space bar; the robot stops when it is let go.")
         robot.arm()
-
-        def ask(text: str) -> str:
-            answer = world.ask("measured", text)
-            world.hold("Hold the space bar again.")
-            return answer
-
         try:
             found = ground.drive(robot, world.held, ask)
         except UnsafeError as reason:
             contact.refused = reason
-            return
         except ReleasedError:
             raise refused("the key was let go: the robot was stopped; start again") from None
         finally:

@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""What is kept: a recording with no address of anybody's network, and the page."""
+"""What is kept: a recording with no address of anybody's network, the page, and the archive."""
 
 import math
 import struct
+import zipfile
+from collections.abc import Mapping
 from html import escape
 from pathlib import Path
 
+from ..report.plots import STYLE, Line, chart
+from ..report.series import Series
 from .contact import STEPS, Contact
+from .session import Session
 from .wire import SERVICES
 
 _ROBOT, _CLIENT = bytes([192, 0, 2, 2]), bytes([192, 0, 2, 1])  # of RFC 5737: nobody's
@@ -16,8 +21,9 @@ _INTERFACE = struct.pack("<IIHHII", 1, 20, 101, 0, 0, 20)  # raw IP, microsecond
 
 
 def recording(log: list[tuple[float, int, bool, bytes]]) -> bytes:
-    """Return the datagrams as a pcapng file."""
+    """Return the datagrams as a pcapng file, whose time counts from the first one."""
     blocks = [_SECTION, _INTERFACE]
+    begun_s = log[0][0]
     for at_s, port, sent, data in log:
         ends = [(_CLIENT, _FIRST_PORT + port), (_ROBOT, _ROBOT_PORT)]
         (source, from_port), (target, to_port) = ends if sent else ends[::-1]
@@ -27,7 +33,7 @@ def recording(log: list[tuple[float, int, bool, bytes]]) -> bytes:
         total = (total & 0xFFFF) + (total >> 16)
         packet = head[:10] + struct.pack(">H", ~(total + (total >> 16)) & 0xFFFF) + head[12:] + udp
         size = 32 + (len(packet) + 3 & ~3)
-        us = round(at_s * 1e6)
+        us = round((at_s - begun_s) * 1e6)
         fields = (6, size, 0, us >> 32, us & 0xFFFFFFFF, len(packet), len(packet))
         blocks.append(struct.pack("<7I", *fields) + packet.ljust(size - 32, b"\0"))
         blocks.append(struct.pack("<I", size))
@@ -56,45 +62,129 @@ USUAL: dict[str, float] = {
 }
 """The manual's answers, where it has any."""
 
-_STYLE = """:root{color-scheme:light dark}body{margin:0 auto;max-width:60rem;padding:1.5rem;
-font:15px/1.5 system-ui,sans-serif}table{border-collapse:collapse}td,th{text-align:left;
-padding:.2rem 1rem .2rem 0;border-bottom:1px solid #8884}.other{font-weight:600}
-.refused{border-left:4px solid #b3261e;padding:.5rem 1rem}"""
+_STYLE = (
+    STYLE + "td.text{white-space:normal;width:50%}pre{white-space:pre-wrap}.other{font-weight:600}"
+    ".refused{border-left:4px solid var(--bad);padding:8px 12px;color:var(--ink)}"
+)
+_PLOTS = {
+    "linear": ("Step of the forward speed", "m/s"),
+    "angular": ("Step of the turn rate", "rad/s"),
+    "watchdog": ("After the last command", "m/s"),
+    "clock": ("The two clocks", "ms"),
+}
+_OF_COLUMNS = ("override_index", "robot_watchdog_ms")
+_ZIP_DATE = (1980, 1, 1, 0, 0, 0)
+
+Robots = Mapping[str, Mapping[str, float]]
+"""What is known about each known robot, by the names in robot files."""
 
 
-def page(contact: Contact) -> str:
-    """Write the page: answers, what differs from the manual, and which datagrams prove it."""
-    usual = USUAL
-    s = contact.session
+def differing(known: Mapping[str, float], other: Mapping[str, float]) -> list[str]:
+    """Name what two robots do differently, as far as both are known."""
+    return [
+        name
+        for name in sorted(known.keys() & other.keys())
+        if not math.isclose(known[name], other[name], rel_tol=0.1, abs_tol=_alike(name))
+    ]
+
+
+def _alike(name: str) -> float:
+    """How far two measurements of the same robot may be apart."""
+    if name == "robot_watchdog_ms" or name.startswith("queue_"):
+        return 50.0
+    return 20.0 if name == "clock_ppm" else 0.01
+
+
+def row(known: Mapping[str, float], name: str) -> str:
+    """Write this robot's row for the table of known robots."""
+
+    def shown(*names: str, digits: int = 5) -> str:
+        return ", ".join(f"{known[n]:.{digits}g}" for n in names if n in known)
+
+    others = [f"{n} {known[n]:g}" for n in differing(known, USUAL) if n not in _OF_COLUMNS]
+    cells = (
+        name,
+        shown("override_index"),
+        shown("robot_watchdog_ms"),
+        shown("linear_omega_rad_s", "angular_omega_rad_s", digits=2),
+        shown("linear_damping", "angular_damping", digits=2),
+        shown("max_linear_m_s", "max_angular_rad_s", digits=3),
+        "; ".join(others) or "nothing",
+    )
+    return "| " + " | ".join(cells) + " |"
+
+
+def _picture(name: str, curves: dict[str, list[list[float]]]) -> str:
+    title, unit = _PLOTS[name]
+    lines = []
+    for k, (label, points) in enumerate(curves.items()):
+        series = Series(points[0][0] if points else 0.0, width_s=0.01)
+        for at_s, value in points:
+            series.add(at_s, value)
+        lines.append(Line(label, f"s{k + 1}", series))
+    seconds = max((points[-1][0] - points[0][0] for points in curves.values() if points), default=0)
+    return chart(title, unit, seconds, lines)
+
+
+def _answers(s: Session) -> str:
     rows = []
     for name, value in s.known.items():
-        differs = name in usual and not math.isclose(value, usual[name], abs_tol=1e-4)
+        differs = name in USUAL and not math.isclose(value, USUAL[name], abs_tol=1e-4)
         first, end = s.proof.get(name, (0, 0))
         proof = f"{first + 1} to {end}" if end else "an earlier session"
         rows.append(
             f'<tr class="{"other" if differs else ""}"><td>{escape(name)}</td><td>{value:g}</td>'
-            f"<td>{format(usual[name], 'g') if differs else ''}</td><td>{proof}</td></tr>"
+            f"<td>{format(USUAL[name], 'g') if differs else ''}</td><td>{proof}</td></tr>"
         )
-    refused = contact.refused
+    return (
+        "<p>Answers in bold differ from those that the manual suggests. The last column counts "
+        "the datagrams of this session's recording.</p><table><tr><th>question</th><th>answer</th>"
+        f"<th>manual</th><th>datagrams</th></tr>{''.join(rows)}</table>"
+    )
+
+
+def _compared(known: Mapping[str, float], robots: Robots) -> str:
+    items = []
+    for name, other in robots.items():
+        others = [f"{n} ({known[n]:g}, not {other[n]:g})" for n in differing(known, other)]
+        items.append(f"<li>{escape(name)}: {escape(', '.join(others) or 'no difference')}</li>")
+    return f"<h2>Compared with known robots</h2><ul>{''.join(items)}</ul>" if items else ""
+
+
+def page(contact: Contact, robots: Robots) -> str:
+    """Write the page: answers, what differs from the manual, and which datagrams prove it."""
+    s, refused = contact.session, contact.refused
     steps = "".join(
         f"<li>{escape(step.name)}{'' if step.name in contact.done else ': not done'}</li>"
         for step in STEPS
     )
     notes = "".join(f"<li>{escape(k)}: {v:g}</li>" for k, v in s.notes.items())
-    return (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        '<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; '
-        "style-src 'unsafe-inline'\">"
-        f"<title>First contact</title><style>{_STYLE}</style></head><body><h1>First contact</h1>"
-        + (
+    watched = "".join(
+        f'<tr><td class="text">{escape(did)}</td><td class="text">{escape(saw)}</td></tr>'
+        for did, saw in s.watched
+    )
+    return "".join(
+        [
+            '<!doctype html><html lang="en"><head><meta charset="utf-8">',
+            '<meta name="viewport" content="width=device-width,initial-scale=1">',
+            '<meta http-equiv="Content-Security-Policy" '
+            "content=\"default-src 'none'; style-src 'unsafe-inline'\">",
+            f"<title>First contact</title><style>{_STYLE}</style></head><body>",
+            "<h1>First contact</h1>",
             f'<p class="refused">Ended by: {escape(refused.reason)}. {escape(str(refused))}</p>'
             if refused
-            else "<p>All steps were passed.</p>"
-        )
-        + "<p>Answers in bold differ from those that the manual suggests. The last column counts "
-        "the datagrams of this session's recording.</p><table><tr><th>question</th><th>answer</th>"
-        f"<th>manual</th><th>datagrams</th></tr>{''.join(rows)}</table>"
-        f"<h2>Beside it</h2><ul>{notes}</ul><h2>Steps</h2><ol>{steps}</ol></body></html>\n"
+            else "",
+            _answers(s),
+            *(_picture(name, s.traces[name]) for name in _PLOTS if name in s.traces),
+            "<h2>What was done, and what the robot reported</h2><table>" + watched + "</table>"
+            if watched
+            else "",
+            f"<h2>Measured beside it</h2><ul>{notes}</ul>",
+            _compared(s.known, robots),
+            "<h2>For the table of known robots</h2>",
+            f"<pre>{escape(row(s.known, 'YOUR ROBOT'))}</pre>",
+            f"<h2>Steps</h2><ol>{steps}</ol></body></html>\n",
+        ]
     )
 
 
@@ -104,8 +194,19 @@ def free_name(folder: Path) -> str:
     return next(name for name in names if not (folder / name).exists())
 
 
-def write(contact: Contact, folder: Path, name: str) -> None:
-    """Write the page, and the recording under this name, into the folder."""
-    (folder / "contact.html").write_text(page(contact), encoding="utf-8")
+def write(contact: Contact, folder: Path, name: str, robots: Robots) -> None:
+    """Write the page, the recording under this name, and the archive with all that is to be sent.
+
+    In the archive is nobody's address, name or date.
+    """
+    (folder / "contact.html").write_text(page(contact, robots), encoding="utf-8")
     if contact.session.log:
         (folder / name).write_bytes(recording(contact.session.log))
+    kept = [folder / "robot.txt", folder / "contact.html", *sorted(folder.glob("contact*.pcapng"))]
+    with zipfile.ZipFile(folder / "contact.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        for path in kept:
+            if path.exists():
+                archive.writestr(zipfile.ZipInfo(path.name, _ZIP_DATE), path.read_bytes())
+        if contact.session.known:
+            known = row(contact.session.known, "YOUR ROBOT")
+            archive.writestr(zipfile.ZipInfo("row.md", _ZIP_DATE), known + "\n")

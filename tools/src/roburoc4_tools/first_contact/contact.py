@@ -4,9 +4,9 @@
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
-from . import identify, watch, wheels
+from . import identify, network, watch, wheels
 from .response import Response
-from .session import ReleasedError, Session, UnsafeError
+from .session import ReleasedError, Session, SilentError, UnsafeError
 from .world import World
 
 
@@ -17,26 +17,36 @@ class Step(NamedTuple):
     moves: str
     """What moves, how far, and what to do if it does something else; "": nothing moves."""
     run: Callable[[Session], None]
+    lasts: str = ""
+    """How long nobody is asked anything, if that is so long that they wonder."""
 
 
-_WHEELS = "The wheels turn {} in the air. If they do not stop: emergency stop."
+_WHEELS = "In the air, the wheels turn {}. If they do not stop: emergency stop."
 
 STEPS = (
     Step("directory", "", identify.directory),
+    Step("network", "", network.network),
     Step("errors", "", identify.errors),
     Step("texts", "", identify.texts),
-    Step("subscriptions", "", identify.subscriptions),
+    Step("subscriptions", "", identify.subscriptions, "about two minutes"),
     Step("lengths", "", identify.lengths),
     Step("inputs", "", watch.inputs),
+    Step("sticks", "", watch.sticks),
+    Step("telemeters", "", watch.telemeters),
     Step("may be driven", "", wheels.may_be_driven),
-    Step("stops", _WHEELS.format("forward, at 0.1 m/s, for 6 s,"), wheels.stops),
-    Step("responses", _WHEELS.format("forward, then in place, up to 0.4 m/s,"), wheels.responses),
+    Step("stops", _WHEELS.format("forward, at up to 0.1 m/s, for 6 s"), wheels.stops),
+    Step("responses", _WHEELS.format("forward, then in place, at up to 0.4 m/s"), wheels.responses),
     Step("reports", _WHEELS.format("with changing speeds for 40 s"), wheels.reports),
     Step("watchdog", _WHEELS.format("until the robot stops them by itself"), wheels.watchdog),
+    Step("outage", _WHEELS.format("forward, at 0.1 m/s, until the cable is out"), network.outage),
     Step("pad", _WHEELS.format("while [A] is pressed and released"), wheels.pad),
-    Step("motors", _WHEELS.format("not at all, without motor power,"), wheels.motors),
+    Step(
+        "motors",
+        "No motor power: the wheels must not turn. If they do: emergency stop.",
+        wheels.motors,
+    ),
     Step("power on", _WHEELS.format("forward, at 0.1 m/s, for 2 s"), wheels.power_on),
-    Step("odometry", _WHEELS.format("forward, then in place, for 3 s each,"), wheels.odometry),
+    Step("odometry", _WHEELS.format("forward, then in place, for 3 s each"), wheels.odometry),
     Step("may leave the stand", "", wheels.may_leave_the_stand),
 )
 
@@ -59,6 +69,8 @@ class Contact:
             "fixed": s.fixed,
             "usable": s.usable,
             "notes": s.notes,
+            "watched": s.watched,
+            "traces": s.traces,
             "responses": {str(axis): list(found) for axis, found in s.responses.items()},
         }
 
@@ -68,7 +80,19 @@ class Contact:
         self.done = list(state["done"])
         s.known, s.ids, s.fixed = dict(state["known"]), dict(state["ids"]), state["fixed"]
         s.usable, s.notes = list(state["usable"]), dict(state["notes"])
+        s.watched, s.traces = list(state["watched"]), dict(state["traces"])
         s.responses = {int(axis): Response(*found) for axis, found in state["responses"].items()}
+
+    def rejoin(self) -> None:
+        """Bring the robot to where the next step may begin, whoever had it meanwhile."""
+        s = self.session
+        identify.restart(s)  # it may still report to the interrupted session
+        if len(self.done) == len(STEPS):
+            s.please("motors_on", "Press the green button.")
+        elif wheels.LIFTED_BY in self.done:
+            wheels.lift(s)
+        if "iocard" in s.usable:
+            network.hear_clock(s)
 
     def steps(self) -> Iterable[Step]:
         """Yield each step that is left, before it runs; ends early where one refuses to go on."""
@@ -82,13 +106,15 @@ class Contact:
 
     def _run(self, step: Step) -> bool:
         s = self.session
-        s.moving = bool(step.moves)
         while True:
             try:
-                s.hold()
                 step.run(s)
             except ReleasedError:
                 s.world.please("again", "The key was let go, and zeros were sent. Once more?")
+            except SilentError:
+                s.please(
+                    "silent", "The robot was not heard: check its power and the cable. Once more?"
+                )
             except UnsafeError as refused:
                 self.refused = refused
                 return False

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""On the ground, by the library's own moves: a metre, a turn, two stops, and the scales."""
+"""On the ground, by the library: a metre, a turn, the scales, and two stops."""
 
 from __future__ import annotations
 
@@ -12,22 +12,31 @@ from .session import ReleasedError, UnsafeError, number
 if TYPE_CHECKING:
     from roburoc4 import MoveResult, Robot
 
-_BRAKING_M = {0.3: 0.2, 0.6: 0.4}
-"""SAFETY's table, "braking alone"; the response of a slower robot takes longer."""
+_BRAKING_S = 0.65
+"""SAFETY's table, "braking alone", for 1 m/s; the way grows as the speed does."""
+_FASTER_S = 2.5
+_RENEW_S = 0.05
 _LEAST, _MOST = 0.5, 2.0
 
 
 def drive(robot: Robot, held: Callable[[], bool], ask: Callable[[str], str]) -> dict[str, float]:
-    """Drive, ask how far that really was, and return both scales and the ways of the stops."""
+    """Drive, ask how far that really was, and return both scales and the ways of the stops.
 
-    def watch(_result: MoveResult) -> None:
+    The robot is connected with scales of 1.
+    """
+
+    def check() -> None:
         if not held():
             robot.stop()
             raise ReleasedError
 
-    counted_m = robot.move(1.0, speed=0.2, on_progress=watch).distance_m
+    def watch(_result: MoveResult) -> None:
+        check()
+
+    looking = None if _sees(robot) else 0.0  # somebody does, with an emergency stop in hand
+    counted_m = robot.move(1.0, speed=0.2, clearance=looking, on_progress=watch).distance_m
     real_m = number(ask, "How many metres did the robot move?")
-    turned = robot.turn(math.pi / 2, speed=0.3, on_progress=watch).angle_rad
+    turned = robot.turn(math.pi / 2, speed=0.3, clearance=looking, on_progress=watch).angle_rad
     degrees = number(ask, "By how many degrees did it turn, to the left?")
     found = {
         "scale_linear": counted_m / real_m if real_m else math.inf,
@@ -37,12 +46,40 @@ def drive(robot: Robot, held: Callable[[], bool], ask: Callable[[str], str]) -> 
         raise UnsafeError(
             "scales", "What the wheels count is far from what was measured: measure again."
         )
-    for speed, usual_m in _BRAKING_M.items():
-        robot.move_for(speed, 0.0, 2.0, on_progress=watch)
-        way_m = number(ask, f"How far did it roll when it was to stop from {speed:g} m/s, in m?")
-        if way_m > 2 * usual_m:
+    for speed in (0.3, 0.6):
+        ask(f"It will drive 2 m and stop from {speed:g} m/s: is the way free? yes")
+        way_m = _stop_from(robot, speed, check) / found["scale_linear"]
+        found[f"stops from {speed:g} m/s within, m"] = round(way_m, 2)
+        if way_m > 2 * _BRAKING_S * speed:
             raise UnsafeError(
-                "braking", f"It rolls {way_m:g} m from {speed:g} m/s: keep off the ground."
+                "braking", f"It rolls {way_m:.2f} m from {speed:g} m/s: keep off the ground."
             )
-        found[f"stops from {speed:g} m/s within, m"] = way_m
     return found
+
+
+def _sees(robot: Robot) -> bool:
+    """Whether moves can look out for obstacles: they need all distances and both bumpers."""
+    from roburoc4 import NotKnownError, Role
+
+    bumpers = (Role.FRONT_BUMPER, Role.REAR_BUMPER)
+    telemeters = len(robot.properties.telemeter)
+    try:
+        reported = len(robot.telemeter.distances_m)
+    except NotKnownError:
+        return False
+    known = all(robot.role_index(role) is not None for role in bumpers)
+    return known and 0 < telemeters <= reported
+
+
+def _stop_from(robot: Robot, speed: float, check: Callable[[], None]) -> float:
+    """Drive at this speed, stop, and return how far it rolled, as its pose has it."""
+    end_s = robot.now_s + _FASTER_S
+    while robot.now_s < end_s:
+        check()
+        robot.drive(speed, 0.0)
+        robot.sleep(_RENEW_S)
+    begin = robot.wait_for("localization")
+    robot.pause()
+    robot.rest()
+    end = robot.wait_for("localization")
+    return math.hypot(end.x_m - begin.x_m, end.y_m - begin.y_m)

@@ -7,9 +7,10 @@ import struct
 from itertools import pairwise
 
 from . import wire
-from .session import CYCLE_S, Session, UnsafeError
+from .session import CYCLE_S, Session, SilentError, UnsafeError
 
 _TEXT_S = 3.5
+_START_S = 120.0
 _NO_SERVICE = 0xFFFE
 _NO_ACTION = 0x7E
 _SILENT_IN_A_ROW = 4
@@ -174,9 +175,19 @@ def _clean(s: Session, ports: int = 1) -> None:
 
 
 def restart(s: Session) -> None:
-    """Switch the robot off and on, without its motors."""
+    """Switch the robot off and on, without its motors, and wait until it answers."""
     s.please("restart", "Switch the robot off (E), wait 5 s, switch it on. No green button.")
+    while not _answers_within(s, _START_S):
+        s.please("silent", "The robot does not answer: check its power and the cable.")
     s.pump(1.0)
+
+
+def _answers_within(s: Session, seconds: float) -> bool:
+    end_s = s.world.now_s + seconds
+    while s.world.now_s < end_s:
+        if s.request(wire.GET, wire.DIRECTORY, patience_s=1.0, tries=1) is not None:
+            return True
+    return False
 
 
 def _is_heard(s: Session, service: str, port: int = 0, seconds: float = 1.5) -> bool:
@@ -214,6 +225,8 @@ def subscriptions(s: Session) -> None:
 def _keep_period(s: Session, service: str) -> None:
     heard = s.listen(4.0)[service]
     spans = [b.at_s - a.at_s for a, b in pairwise(heard)]
+    if not spans:
+        raise SilentError
     s.learn("min_period_cycles", max(1, round(sum(spans) / len(spans) / CYCLE_S)))
     s.learn("other_status_port", int(any(h.other_port for h in heard)))
 
@@ -298,10 +311,12 @@ def lengths(s: Session) -> None:
         s.subscribe(service, 20)
         heard = s.listen(1.5)[service]
         s.unsubscribe(service)
-        if heard and service in plain:
+        if not heard:
+            raise SilentError
+        if service in plain:
             s.learn("surplus_bytes", min(max(len(heard[-1].payload) - plain[service], 0), 8))
             plain = {}
-        if heard and service == "telemeter":
+        if service == "telemeter":
             distances = len(heard[-1].payload)
         if s.known.get("delete_refused"):
             restart(s)

@@ -19,11 +19,14 @@ MAX_M_S, MAX_RAD_S = 0.6, 1.2
 """No command of these steps is faster, but for one that is sent while there is no motor power."""
 _PATIENCE_S = 1.5
 _PORT = 0
-CLOCK_PORT = 9
 
 
 class ReleasedError(Exception):
     """The key was let go, and the robot was stopped."""
+
+
+class SilentError(Exception):
+    """The robot was not heard at all."""
 
 
 class UnsafeError(Exception):
@@ -63,15 +66,18 @@ class Session:
         self._last_id = 1
         self._since = 0
         self.commanded_s = 0.0
+        self.heard_s = -math.inf
         self.clock: list[tuple[float, int]] = []
-        """When statuses with which stamps arrived at a port of their own."""
-        self.moving = False
-        """Whether this step moves the robot: then the key is held after each question."""
+        """When statuses of the inputs with which stamps arrived."""
         self._driving = False
         """Whether the last command was a speed: then the key is held without commands, too."""
         self.usable: list[str] = []
         self.responses: dict[int, Response] = {}
         self.notes: dict[str, float] = {}
+        self.watched: list[list[str]] = []
+        """What people did, and what the robot reported meanwhile."""
+        self.traces: dict[str, dict[str, list[list[float]]]] = {}
+        """What is drawn on the page: curves by name, of seconds and values."""
 
     # ---- what is known
 
@@ -87,18 +93,19 @@ class Session:
     def please(self, key: str, text: str) -> None:
         """Ask for something to be done."""
         self.world.please(key, text)
-        self.hold()
+        self.pump(0.0)  # what answers earlier questions must not seem to answer the next ones
 
     def ask(self, key: str, text: str) -> str:
         """Ask a question."""
         answer = self.world.ask(key, text)
-        self.hold()
+        self.pump(0.0)
         return answer
 
     def hold(self) -> None:
-        """In a step that moves the robot, wait until the key is held."""
-        if self.moving and not self.world.held():
+        """Before the robot moves, wait until the key is held."""
+        if not self.world.held():
             self.world.hold("Hold the space bar; the robot stops when it is let go.")
+            self.pump(0.0)
 
     # ---- datagrams
 
@@ -111,11 +118,12 @@ class Session:
         """Let time pass, and sort what arrives."""
         for datagram in self.world.wait(seconds):
             self.log.append((datagram.at_s, datagram.port, False, datagram.data))
+            self.heard_s = datagram.at_s
             if datagram.data[:1] == b"\xff":
                 status = wire.status_of(*datagram)
                 if status is not None:
                     self.statuses.append(status)
-                    if status.port == CLOCK_PORT:
+                    if status.port == _PORT and status.service == self.ids.get("iocard"):
                         self.clock.append((status.at_s, status.cycles))
                 continue
             answer = wire.answer_of(*datagram[:3])
@@ -128,15 +136,16 @@ class Session:
             or answer.action != wire.GET
             or answer.error
             or answer.target != self.ids.get("differential")
-            or len(answer.payload) != 52
+            or len(answer.payload) != wire.DIFFERENTIAL_BYTES
         ):
             return False
         if not self.fixed:
-            while self._asked and self._asked[0][0] != answer.id:
+            if all(number != answer.id for number, _asked_s in self._asked):
+                return False
+            while self._asked[0][0] != answer.id:
                 self._asked.popleft()
-        if self._asked:
-            _number, asked_s = self._asked.popleft()
-            self.samples.append(wire.speeds_of(asked_s, answer.payload))
+        _number, asked_s = self._asked.popleft()
+        self.samples.append(wire.speeds_of(asked_s, answer.payload))
         return True
 
     def next_id(self) -> int:
@@ -256,14 +265,17 @@ class Session:
             )
 
     def sampled(self, since_s: float, command: tuple[float, float] | None) -> list[wire.Speeds]:
-        """Return the speeds since then, once the answers of all have arrived."""
+        """Return the speeds since then, at least two, once all answers have arrived."""
         end_s = self.world.now_s - CYCLE_S / 2
         self.run(
             _PATIENCE_S,
             command,
             lambda: bool(self.samples) and self.samples[-1].asked_s >= end_s,
         )
-        return [s for s in self.samples if since_s - CYCLE_S / 2 <= s.asked_s <= end_s + CYCLE_S]
+        found = [s for s in self.samples if since_s - CYCLE_S / 2 <= s.asked_s <= end_s + CYCLE_S]
+        if len(found) < 2:
+            raise SilentError
+        return found
 
     def leave(self) -> None:
         """Send the zeros that are due when the conversation ends, however it does."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import select
 import socket
+import sys
 import time
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from ..cli.deadman import DeadMan
 from ..cli.keyboard import is_ctrl_c
-from ..cli.output import note
 from .world import Datagram, World
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ class TerminalWorld(World):
             self._take_keys()
             self._interrupted = False
         while self._count and self._count[0][0] <= self.now_s:
-            self._say(self._count.pop(0)[1])
+            self.say(self._count.pop(0)[1])
 
     def _take_keys(self) -> None:
         self._keyboard.ask_echo(self.now_s)
@@ -95,8 +95,10 @@ class TerminalWorld(World):
                 self._typed += key.name
 
     @staticmethod
-    def _say(text: str) -> None:
-        note(text)
+    def say(text: str) -> None:
+        """Print a line for the people."""
+        sys.stderr.write(f"{text}\n")
+        sys.stderr.flush()
 
     def _line(self) -> str:
         """Return the next line that is typed; the robot is heard meanwhile."""
@@ -111,19 +113,19 @@ class TerminalWorld(World):
 
     def please(self, key: str, text: str) -> None:
         """Ask, and wait for Enter."""
-        self._say(f"  {text} Then press Enter.")
+        self.say(f"  {text} Then press Enter.")
         self._line()
 
     def ask(self, key: str, text: str) -> str:
         """Ask, and wait for a line."""
-        self._say(f"  {text}")
+        self.say(f"  {text}")
         while not (answer := self._line()):
             pass
         return answer
 
     def countdown(self, key: str, text: str, seconds: float) -> None:
         """Begin to count; wait() goes on with it."""
-        self._say(f"  {text}")
+        self.say(f"  {text}")
         zero_s = self.now_s + seconds
         whole = int(seconds / 0.5)
         self._count = [(zero_s - 0.5 * k, f"  {k}") for k in range(whole, 0, -1)]
@@ -131,7 +133,7 @@ class TerminalWorld(World):
 
     def hold(self, text: str) -> None:
         """Wait for the space bar."""
-        self._say(f"  {text}")
+        self.say(f"  {text}")
         while not self.held():
             select.select(list(self._sockets.values()), [], [], _TICK_S)
 

@@ -7,12 +7,17 @@ from itertools import pairwise
 
 from . import wire
 from .identify import restart
+from .network import hear_clock, keep_clock, restarted
 from .response import Response, fit, simulate
-from .session import CLOCK_PORT, CYCLE_S, MAX_M_S, MAX_RAD_S, Session, UnsafeError
+from .session import CYCLE_S, MAX_M_S, MAX_RAD_S, Session, SilentError, UnsafeError
+from .watch import changed_inputs, digital_inputs
 
 LATEST_S = 0.45
 LONGEST_WATCHDOG_S = 2.0
-_TRIES = 3
+_DRAWN_S = 5.0
+LIFTED_BY = "stops"
+_EARLIEST_S = -0.3
+"""How long before a person acts the last command is sent, at most."""
 
 
 def _speed(s: Session, axis: int, share: float = 0.6) -> float:
@@ -41,18 +46,23 @@ def may_be_driven(s: Session) -> None:
             raise UnsafeError("limits", "The robot's speed limits make no sense.")
 
 
+def lift(s: Session) -> None:
+    """Have the robot put on its stand, and the emergency stop tried."""
+    s.please("lift", "Wheels off the ground, on a stand that carries 140 kg. Nobody near them.")
+    s.please("estop_press", "Press the remote emergency stop.")
+    s.please("estop_release", "Release it.")
+    s.please("motors_on", "Press the green button.")
+
+
 def stops(s: Session) -> None:
     """Try every stop before it is needed, then the slowest speed."""
-    please = s.please
-    please("lift", "Wheels off the ground, on a stand that carries 140 kg. Nobody near them.")
-    please("estop_press", "Press the remote emergency stop.")
-    please("estop_release", "Release it.")
-    please("motors_on", "Press the green button.")
+    lift(s)
     if not s.stop():
         raise UnsafeError(
             "does_not_stop", "The wheels turn although zeros are sent: cut the power."
         )
     slowest = 0.0
+    s.hold()
     for speed in (0.02, 0.05, 0.1):
         since_s = s.world.now_s
         s.run(2.0, (speed, 0.0))
@@ -95,6 +105,7 @@ def _rest(s: Session) -> None:
 
 def responses(s: Session) -> None:
     """Step from rest on both axes, and fit what the wheels do."""
+    s.hold()
     for axis, name in enumerate(("linear", "angular")):
         s.begin()
         unit = ("m_s2", "rad_s2")[axis]
@@ -108,9 +119,11 @@ def responses(s: Session) -> None:
             _settle(s, command)
             samples = s.sampled(since_s, command)
             s.stop()
-            found = fit(command[axis], _each_cycle(samples, since_s, axis), slopes)
+            speeds = _each_cycle(samples, since_s, axis)
+            found = fit(command[axis], speeds, slopes)
             if found is not None and (best is None or found.misfit < best.misfit):
                 best = found
+                s.traces[name] = _step(found, command[axis], speeds, slopes)
             if axis == 0 and share == 1.0:
                 _keep_targets(s, command[0], samples)
         if best is None:
@@ -121,6 +134,24 @@ def responses(s: Session) -> None:
         s.learn(f"{name}_gain", min(max(best.gain, 0.85), 1.15))
     surest = min(s.responses.values(), key=lambda found: found.misfit)
     s.learn("dead_time_cycles", surest.dead_cycles)
+
+
+def _step(
+    response: Response, target: float, speeds: list[float], slopes: tuple[float, float]
+) -> dict[str, list[list[float]]]:
+    """Draw a step, and what the fitted response would have done."""
+    count = min(len(speeds), round(_DRAWN_S / CYCLE_S))
+    rest = [0.0] * (response.dead_cycles + 1)
+    fitted = rest + simulate(response, [target] * count, slopes)
+    return {
+        "reported": _drawn(speeds[:count]),
+        "fitted": _drawn(fitted[:count]),
+        "commanded": _drawn([target] * count),
+    }
+
+
+def _drawn(values: list[float]) -> list[list[float]]:
+    return [[round(k * CYCLE_S, 2), round(v, 4)] for k, v in enumerate(values)]
 
 
 def _each_cycle(samples: list[wire.Speeds], since_s: float, axis: int) -> list[float]:
@@ -144,9 +175,10 @@ def _keep_targets(s: Session, speed: float, samples: list[wire.Speeds]) -> None:
 
 def reports(s: Session) -> None:
     """Find out how late, how noisy and how often the reported speeds are measured."""
+    s.hold()
     s.begin()
     s.stop()
-    _hear_clock(s)
+    hear_clock(s)
     s.subscribe("differential", 1)
     speed = _speed(s, 0)
     s.pump(1.0)
@@ -175,12 +207,6 @@ def reports(s: Session) -> None:
     _keep_refresh(s)
     s.stop()
     s.unsubscribe("differential")
-
-
-def _hear_clock(s: Session) -> None:
-    """Hear the robot's clock until the restart, from here on if that was not begun yet."""
-    if not s.clock:
-        s.subscribe("iocard", 50, CLOCK_PORT)
 
 
 def _differential(s: Session) -> list[wire.Status]:
@@ -226,8 +252,9 @@ def _keep_refresh(s: Session) -> None:
 
 def watchdog(s: Session) -> None:
     """Fall silent in mid-drive, and see when the wheels stop by themselves."""
+    s.hold()
     s.begin()
-    _hear_clock(s)
+    hear_clock(s)
     speed = _speed(s, 0)
     s.stop()
     _settle(s, (speed, 0.0))
@@ -250,6 +277,13 @@ def watchdog(s: Session) -> None:
     s.learn("tripped_target_shown", int(shown))
     cycles = by_speed if by_target is None or shown else by_target
     s.learn("robot_watchdog_ms", min(max(10 * cycles, 100), 60000))
+    every = max(1, len(samples) // 1000)
+    s.traces["watchdog"] = {
+        label: [
+            [round(x.asked_s - last_s, 2), round(getattr(x, part)[0], 4)] for x in samples[::every]
+        ]
+        for label, part in (("speed", "speed"), ("target", "target"))
+    }
 
 
 def _slopes(s: Session) -> tuple[float, float]:
@@ -262,6 +296,7 @@ def _target_at(samples: list[wire.Speeds], at_s: float) -> float:
 
 def pad(s: Session) -> None:
     """Hold [A] while commands are sent, and see what is obeyed when it is released."""
+    s.hold()
     s.begin()
     first, second = _speed(s, 0, 0.5), _speed(s, 0, 0.25)
     shift_s = s.responses[0].dead_cycles * CYCLE_S if s.known["late_targets"] else 0.0
@@ -272,15 +307,14 @@ def pad(s: Session) -> None:
     s.run(2.5, (first, 0.0))
     lead_s = _lead(s, s.sampled(zero_s - 1.0, (first, 0.0)), first, zero_s + shift_s)
     s.run(s.known["robot_watchdog_ms"] / 1000 + 1.0, (second, 0.0))
-    zero_s = s.world.now_s + 1.5
     s.world.countdown("release_pad_a", "Let [A] go when the countdown reaches 0.", 1.5)
-    s.run(1.5 - 0.15 - lead_s, (second, 0.0))
-    s.run(0.7 + lead_s, None)
-    samples = s.sampled(zero_s - 1.0, None)
-    after = _target_at(samples, zero_s + 0.11 + shift_s - lead_s)
-    if abs(after - second) < 1e-3:
+    # Before it is released; and it must be long enough before the watchdog trips.
+    last_s = max(_EARLIEST_S, 0.015 - s.known["robot_watchdog_ms"] / 2000)
+    s.run(1.5 + last_s - lead_s, (second, 0.0))
+    samples = _silent(s, 0.7 + lead_s - last_s)
+    if any(abs(x.target[0] - second) < 1e-3 for x in samples):
         s.learn("pad_keeps_target", 1)
-    elif abs(after - first) < 1e-3:
+    elif any(abs(x.target[0] - first) < 1e-3 for x in samples):
         s.learn("pad_keeps_target", 2)
         s.learn("ignored_commands_feed", 1)
     elif _comes_back(s, first, shift_s, lead_s):
@@ -300,21 +334,28 @@ def _lead(s: Session, samples: list[wire.Speeds], target: float, zero_s: float) 
     return trip_s if s.known["robot_watchdog_ms"] / 1000 > trip_s + 0.4 else trip_s / 2
 
 
+def _silent(s: Session, seconds: float) -> list[wire.Speeds]:
+    """Send no command for this long; return what was reported since the last one."""
+    since_s = s.commanded_s
+    s.run(seconds, None)
+    return s.sampled(since_s + CYCLE_S, None)
+
+
 def _comes_back(s: Session, target: float, shift_s: float, lead_s: float) -> bool:
     """Whether the target from before [A] is obeyed after a short tap on it."""
+    watchdog_s = s.known["robot_watchdog_ms"] / 1000
     s.stop()
     _settle(s, (target, 0.0))
-    zero_s = s.world.now_s + 1.5
     s.world.countdown("tap_pad_a", "Tap [A] shortly when the countdown reaches 0.", 1.5)
-    s.run(1.5 + 0.05 - lead_s, (target, 0.0))
-    s.run(0.5 + lead_s, None)
-    samples = s.sampled(zero_s - 0.1 - lead_s, None)
-    dropped = [k for k, x in enumerate(samples) if abs(x.target[0] - target) > 1e-3]
-    return (
-        not dropped
-        or samples[dropped[0]].asked_s > zero_s + 0.1 + shift_s - lead_s
-        or any(abs(x.target[0] - target) < 1e-3 for x in samples[dropped[0] :])
-    )
+    last_s = max(_EARLIEST_S / 2, 0.175 - watchdog_s / 2)
+    s.run(1.5 + last_s - lead_s, (target, 0.0))
+    samples = _silent(s, 0.55 + lead_s - last_s)
+    dropped = next((k for k, x in enumerate(samples) if abs(x.target[0] - target) > 1e-3), None)
+    if dropped is None:
+        return True
+    tripped_s = s.commanded_s + watchdog_s + shift_s
+    came_back = any(abs(x.target[0] - target) < 1e-3 for x in samples[dropped:])
+    return came_back or samples[dropped].asked_s > tripped_s - 0.1
 
 
 def _pad_target(s: Session) -> None:
@@ -334,12 +375,9 @@ def _pad_target(s: Session) -> None:
 def motors(s: Session) -> None:
     """Send commands without motor power, also one beyond the limits."""
     s.begin()
+    hear_clock(s)
     speed = _speed(s, 0)
-    s.please("estop_press", "Press the remote emergency stop.")
-    s.pump(0.5)
-    since_s = s.world.now_s
-    s.run(1.0, (speed, 0.0))
-    samples = s.sampled(since_s, None)
+    samples = _without_power(s, "estop_press", "Press the remote emergency stop.", speed)
     if max(abs(x.speed[0]) for x in samples) > 0.03:
         s.stop()
         raise UnsafeError(
@@ -356,32 +394,52 @@ def motors(s: Session) -> None:
         shown = _target_at(s.sampled(since_s, None), since_s + 0.2)
         s.learn("over_limit_refused", int(abs(shown - most) > 1e-2 * most))
         s.stop()
-    s.please("estop_release", "Release the emergency stop.")
+    s.begin()
+    _power_comes_back(
+        s, _without_power(s, "estop_release", "Release it, and press no green button.", speed)
+    )
     s.please("motors_on", "Press the green button.")
-    if not s.stop():
+    _power_comes_back(s, s.samples[-1:])
+    _without_power(s, "brakes_released", "Turn the brakes selector to Released.", speed)
+    s.stop()
+    s.please("brakes_automatic", "Turn it to Automatic.")
+    s.please("motors_on", "Press the green button.")
+    _power_comes_back(s, s.samples[-1:])
+
+
+def _without_power(s: Session, key: str, text: str, speed: float) -> list[wire.Speeds]:
+    """Ask for something that takes motor power away, command a speed, and keep what is seen."""
+    before = digital_inputs(s)
+    s.please(key, text)
+    changes = changed_inputs(before, digital_inputs(s))
+    s.hold()
+    since_s = s.world.now_s
+    s.run(1.0, (speed, 0.0))
+    samples = s.sampled(since_s, None)
+    s.watched.append(
+        [
+            f"{text} A speed of {speed:g} m/s was sent.",
+            f"{changes}; target {samples[-1].target[0]:.2f} m/s, speed "
+            f"{samples[-1].speed[0]:.2f} m/s",
+        ]
+    )
+    return samples
+
+
+def _power_comes_back(s: Session, samples: list[wire.Speeds]) -> None:
+    """Refuse wheels that turn before the green button, or after it without a command."""
+    stopped = s.stop()
+    if not stopped or max((abs(x.speed[0]) for x in samples), default=0.0) > 0.03:
         raise UnsafeError("power_moves", "The wheels turned when motor power came back.")
-
-
-def _keep_clock(s: Session) -> None:
-    """Compare the robot's clock with ours, by the quickest statuses of begin and end."""
-    if len(s.clock) < 40:
-        return
-    first = s.clock[0][1]  # robots count further than floats do
-    ends = [
-        min(part, key=lambda x: x[0] - CYCLE_S * (x[1] - first))
-        for part in (s.clock[:20], s.clock[-20:])
-    ]
-    passed_s = ends[1][0] - ends[0][0]
-    counted_s = CYCLE_S * (ends[1][1] - ends[0][1])
-    s.learn("clock_ppm", round(min(max(1e6 * (counted_s / passed_s - 1), -1000), 1000)))
-    s.unsubscribe("iocard", CLOCK_PORT)
 
 
 def power_on(s: Session) -> None:
     """Restart, and see whether the motors have power at once."""
     s.begin()
-    _keep_clock(s)
+    keep_clock(s)
     restart(s)
+    restarted(s)
+    s.hold()
     since_s = s.world.now_s
     s.run(2.0, (0.1, 0.0))
     moved = abs(s.sampled(since_s, None)[-1].speed[0]) > 0.03
@@ -398,6 +456,7 @@ def odometry(s: Session) -> None:
     s.subscribe("localization", 10)
     before = _poses(s, 1.5)[-1]
     _replace(s, before)
+    s.hold()
     speed = _speed(s, 0)
     ahead, driven = _travel(s, (speed, 0.0))
     turn, turned = _travel(s, (0.0, _speed(s, 1)))
@@ -409,7 +468,10 @@ def odometry(s: Session) -> None:
 
 
 def _poses(s: Session, seconds: float) -> list[tuple[float, float, float]]:
-    return [struct.unpack_from("<3d", x.payload) for x in s.listen(seconds)["localization"]]
+    heard = s.listen(seconds)["localization"]
+    if not heard:
+        raise SilentError
+    return [struct.unpack_from("<3d", x.payload) for x in heard]
 
 
 def _replace(s: Session, pose: tuple[float, float, float]) -> None:

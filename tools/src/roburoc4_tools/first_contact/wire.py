@@ -14,6 +14,8 @@ MANUAL_ID = 1
 _HEAD = struct.Struct("<BBH")
 _STATUS_HEAD = struct.Struct("<BHQ")
 _DIFFERENTIAL = struct.Struct("<13f")
+DIFFERENTIAL_BYTES = _DIFFERENTIAL.size
+_TELEMETER = struct.Struct("<7f")
 LIMITS = (
     "max_linear_m_s",
     "min_linear_m_s",
@@ -103,6 +105,12 @@ def speeds_of(asked_s: float, payload: bytes) -> Speeds:
 def limits_of(payload: bytes) -> dict[str, float]:
     """Decode the limits in the same properties."""
     return dict(zip(LIMITS, _DIFFERENTIAL.unpack_from(payload)[4:], strict=True))
+
+
+def telemeter_angles(payload: bytes) -> list[float]:
+    """Decode where each telemeter points, in radians to the left of forward."""
+    count = max(0, (len(payload) - 4) // _TELEMETER.size)
+    return [_TELEMETER.unpack_from(payload, 4 + k * _TELEMETER.size)[2] for k in range(count)]
 
 
 def bits_of(blocks: bytes, count: int) -> list[bool]:

@@ -21,8 +21,8 @@ from roburoc4.records import (
 from roburoc4.settings import STATUS_SERVICES
 
 from ..recordings.recording import Command, RecordedEvent, RecordedRobot
+from .series import Series
 
-_BUCKETS = 1200
 _PATH_POINTS = 4000
 _PATH_STEP_M = 0.02
 _MOST_EVENTS = 5000
@@ -30,65 +30,6 @@ _MOST_SPANS = 400
 _MOST_CLIENTS = 100
 _JUMP_M = 1.0
 _PROGRESS_EVERY = 5000
-
-
-class Series:
-    """A value over time: the lowest and highest of each interval; intervals grow with time."""
-
-    def __init__(self, begun_s: float) -> None:
-        self._begun_s = begun_s
-        self._width_s = 0.05
-        self._last = -1
-        self.points: list[list[float]] = []
-        """Seconds from the beginning, lowest and highest."""
-        self.low = math.inf
-        self.high = -math.inf
-        self.first = self.latest = math.nan
-
-    def add(self, time_s: float, value: float) -> None:
-        """Add a value; NaN is ignored."""
-        if not math.isfinite(value):
-            return
-        self.latest = value
-        if value < self.low:
-            self.low = value
-        if value > self.high:
-            self.high = value
-        bucket = int((time_s - self._begun_s) / self._width_s)
-        if bucket == self._last:
-            point = self.points[-1]
-            if value < point[1]:
-                point[1] = value
-            if value > point[2]:
-                point[2] = value
-            return
-        if not self.points:
-            self.first = value
-        self._last = bucket
-        self.points.append([time_s - self._begun_s, value, value])
-        if len(self.points) > 2 * _BUCKETS:
-            self._halve()
-
-    def _halve(self) -> None:
-        while len(self.points) > _BUCKETS:
-            self._width_s *= 2
-            merged: list[list[float]] = []
-            last = -1
-            for point in self.points:
-                bucket = int(point[0] / self._width_s)
-                if bucket == last:
-                    merged[-1][1] = min(merged[-1][1], point[1])
-                    merged[-1][2] = max(merged[-1][2], point[2])
-                else:
-                    merged.append(point)
-                    last = bucket
-            self.points = merged
-            self._last = last
-
-    @property
-    def gap_s(self) -> float:
-        """A line is broken where values are missing for this long."""
-        return max(3.0, 4 * self._width_s)
 
 
 class Path:

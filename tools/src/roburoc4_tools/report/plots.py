@@ -6,9 +6,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from html import escape
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from .figures import Path, Series
+if TYPE_CHECKING:
+    from .figures import Path
+    from .series import Series
 
 _WIDTH, _HEIGHT = 960, 240
 _LEFT, _RIGHT, _TOP, _BOTTOM = 58, 12, 10, 26
@@ -36,6 +38,50 @@ _STEPS_S = (
     86400,
 )
 _TICKS = 8
+
+STYLE = """
+:root{color-scheme:light dark;--ink:#1b2330;--soft:#5b6675;--grid:#dde3ea;--paper:#fff;
+--card:#f5f7fa;--s1:#1d5fd1;--s2:#c2410c;--s3:#0f7b52;--s4:#8a3ab9;--bad:#b3261e;--weak:#8a5a00;--good:#0f6b45}
+@media (prefers-color-scheme:dark){:root{--ink:#e6ebf2;--soft:#9aa7b8;--grid:#2b3543;
+--paper:#10161f;--card:#18212d;--s1:#7cb0ff;--s2:#ffab70;--s3:#5fd6a4;--s4:#d4a3f5;--bad:#ff9a91;--weak:#f2c268;
+--good:#6fdba8}}
+*{box-sizing:border-box}
+body{margin:0 auto;max-width:1060px;padding:24px 20px 60px;background:var(--paper);color:var(--ink);
+font:15px/1.5 system-ui,sans-serif}
+h1{font-size:24px;margin:0 0 2px}h2{font-size:18px;margin:34px 0 8px}
+p{margin:4px 0;color:var(--soft)}
+.tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(170px,1fr));gap:10px;margin:18px 0}
+.tiles div{background:var(--card);border-radius:8px;padding:10px 14px}
+.tiles b{display:block;font-size:20px;font-weight:600}.tiles span{color:var(--soft);font-size:13px}
+figure{margin:14px 0;background:var(--card);border-radius:8px;padding:10px 12px}
+figure.square{max-width:560px}
+figcaption{font-weight:600;display:flex;flex-wrap:wrap;gap:4px 18px;align-items:baseline}
+.keys{font-weight:400;font-size:13px;color:var(--soft);display:flex;flex-wrap:wrap;gap:0 14px}
+.keys i{display:inline-block;width:18px;height:0;border-top:2.5px solid;margin:0 5px 4px 0}
+.keys i.s1{border-color:var(--s1)}.keys i.s2{border-color:var(--s2);border-top-style:dashed}
+.keys i.s3{border-color:var(--s3)}.keys i.s4{border-color:var(--s4)}
+.keys i.begin,.keys i.finish{width:11px;height:11px;border:2.5px solid var(--s3);border-radius:50%;
+margin:0 5px -1px 0}.keys i.finish{border-color:var(--s2);background:var(--s2)}
+svg{width:100%;height:auto;display:block}
+svg text{fill:var(--soft);font:12px system-ui,sans-serif}
+.mid{text-anchor:middle}.end{text-anchor:end}
+svg path{fill:none;stroke-width:1.6;stroke-linejoin:round}
+svg .grid{stroke:var(--grid);stroke-width:1}svg .zero{stroke:var(--soft);stroke-width:1}
+svg .s1{stroke:var(--s1)}svg .s2{stroke:var(--s2);stroke-dasharray:6 4}
+svg .s3{stroke:var(--s3)}svg .s4{stroke:var(--s4)}
+svg .on{fill:var(--s1)}svg .begin{fill:none;stroke:var(--s3);stroke-width:3}
+svg .finish{fill:var(--s2)}
+.table{overflow-x:auto}
+table{border-collapse:collapse;min-width:60%;font-variant-numeric:tabular-nums}
+th,td{text-align:left;padding:4px 14px 4px 0;border-bottom:1px solid var(--grid);white-space:nowrap}
+th{color:var(--soft);font-weight:500;font-size:13px}td.number,th.number{text-align:right}
+td.text{white-space:normal;width:100%}
+.bad{color:var(--bad)}.weak{color:var(--weak)}.good{color:var(--good)}
+.note{background:var(--card);border-left:4px solid var(--weak);padding:8px 12px;
+color:var(--ink);margin:8px 0}
+@media print{body{max-width:none}figure{break-inside:avoid}}
+"""
+"""For pages with pictures."""
 
 
 class Line(NamedTuple):

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: MIT
+"""First contact's last step, on the ground, with a robot whose wheels slip and miscount."""
+
+import math
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from roburoc4 import Robot, Simulator
+from roburoc4_tools.first_contact import ground
+from roburoc4_tools.first_contact.session import ReleasedError, UnsafeError
+
+SLIP = 0.12
+SAFETY = Path(__file__).parents[2] / "docs" / "SAFETY.md"
+
+
+class Person:
+    """Measures what the robot really did since the last question."""
+
+    def __init__(self, sim: Simulator) -> None:
+        self.sim = sim
+        self.at = sim.true_pose
+        self.asked: list[str] = []
+
+    def __call__(self, text: str) -> str:
+        self.asked.append(text)
+        before, self.at = self.at, self.sim.true_pose
+        if "metres" in text:
+            return f"{math.hypot(self.at.x_m - before.x_m, self.at.y_m - before.y_m):.3f}"
+        if "degrees" in text:
+            return f"{math.degrees(self.at.theta_rad - before.theta_rad):.1f}"
+        return "yes"
+
+
+def on_the_ground(
+    held: Callable[[Simulator, Robot], bool] = lambda _sim, _robot: True, **settings: float
+) -> tuple[dict[str, float], Simulator]:
+    with Simulator(slip=SLIP, **settings) as sim:
+        sim.clear_obstacles()
+        with sim.connect(scale_linear=1.0, scale_angular=1.0) as robot:
+            robot.arm()
+            try:
+                return ground.drive(robot, lambda: held(sim, robot), Person(sim)), sim
+            except ReleasedError:
+                robot.rest()
+                assert sim.state.last_linear_m_s == 0.0
+                assert robot.facts.armed is False
+                raise
+
+
+@pytest.mark.parametrize("scale", [0.8, 1.0, 1.3])
+def test_the_scales_are_what_the_robot_counts_by_what_it_really_did(scale: float) -> None:
+    found, _sim = on_the_ground(odometry_scale=scale)
+    assert found["scale_linear"] == pytest.approx(scale, abs=0.02)
+    assert found["scale_angular"] == pytest.approx(scale / (1 - SLIP), abs=0.03)
+
+
+@pytest.mark.parametrize("lacking", ["telemeters", "reported_distances"])
+def test_a_robot_that_sees_nothing_is_driven_by_people_who_do(lacking: str) -> None:
+    found, _sim = on_the_ground(**{lacking: 0})
+    assert found["scale_linear"] == pytest.approx(1.0, abs=0.02)
+
+
+def test_the_stops_of_the_measured_robot_are_those_of_the_safety_page() -> None:
+    found, _sim = on_the_ground()
+    page = SAFETY.read_text(encoding="utf-8")
+    ways = {float(v): float(m) for v, m in re.findall(r"^\| (\S+) m/s \| (\S+) m \|", page, re.M)}
+    for speed, way_m in ((v, ways[v]) for v in (0.3, 0.6)):
+        assert found[f"stops from {speed:g} m/s within, m"] == pytest.approx(way_m, abs=0.05)
+
+
+def test_a_robot_that_rolls_twice_as_far_stays_off_the_ground() -> None:
+    with pytest.raises(UnsafeError) as caught:
+        on_the_ground(linear_omega_rad_s=1.5, linear_damping=1.5)
+    assert caught.value.reason == "braking"
+
+
+@pytest.mark.parametrize("seconds", [0.5, 3.0, 9.0, 14.0])
+def test_letting_the_key_go_stops_the_robot(seconds: float) -> None:
+    begun: list[float] = []
+
+    def held(sim: Simulator, robot: Robot) -> bool:
+        begun.append(robot.now_s)
+        return robot.now_s < begun[0] + seconds
+
+    with pytest.raises(ReleasedError):
+        on_the_ground(held)
