@@ -81,7 +81,7 @@ class PlayedRobot:
                 data, sender = self.socket.recvfrom(2048)
                 self.heard(data)
                 self.receive(data, sender)
-                if time.monotonic() >= due:
+                if time.monotonic() >= due and not ended:
                     break
             self.step()
 
