@@ -154,10 +154,10 @@ def visit(browser: Browser) -> Iterator[Callable[..., Page]]:
     contexts: list[BrowserContext] = []
     complaints: list[str] = []
 
-    def open_page(url: str, *, forgive: str | None = None, **settings: Any) -> Page:
+    def open_page(url: str, *, forgive: str | None = None, init: str = "", **settings: Any) -> Page:
         context = browser.new_context(**settings)
         contexts.append(context)
-        context.add_init_script(FAKE_PAD + REPEATS)
+        context.add_init_script(FAKE_PAD + REPEATS + init)
         page = context.new_page()
         page.set_default_timeout(1000 * PATIENCE_S)
         host = url.split("/")[2]

@@ -12,6 +12,7 @@ CALM: Frame = {
     "offered": True,
     "everReady": True,
     "why": "",
+    "must_let_go": False,
     "going": None,
     "link": {"level": "good", "say": "link good", "attempt": ""},
     "battery": {"state": "ok"},
@@ -77,7 +78,14 @@ STATES: list[tuple[str, Frame]] = [
     ("POSE WRONG", {"facts": {"pose_error": True}}),
     ("BATTERY LOW", {"battery": {"state": "ok"}, "facts": {"battery_low": True}}),
     ("LINK WEAK", {"link": WEAK}),
-    ("STOPPED", {"why": "inputs arrived too late", "facts": {"armed": True, "driving": False}}),
+    (
+        "LET GO",
+        {
+            "why": "inputs arrived too late",
+            "must_let_go": True,
+            "facts": {"armed": True, "driving": False},
+        },
+    ),
     ("DRIVING", {"facts": {"armed": True, "driving": True}}),
     ("ARMED", {"facts": {"armed": True, "driving": False}}),
     ("MOVING", merged(MOVES, UNCOMMANDED)),

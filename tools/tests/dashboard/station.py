@@ -59,6 +59,28 @@ window.repeats = true;
 """
 
 
+# Every frame that the page gets is changed into the state that is wanted.
+SHOWS = """
+window.wanted = null;
+const listen = WebSocket.prototype.addEventListener;
+const isTable = (value) => value && typeof value === "object" && !Array.isArray(value);
+const merge = (one, other) => {
+  const both = { ...one };
+  for (const [key, value] of Object.entries(other)) {
+    both[key] = isTable(value) ? merge(one[key] ?? {}, value) : value;
+  }
+  return both;
+};
+WebSocket.prototype.addEventListener = function (kind, handler) {
+  listen.call(this, kind, kind !== "message" ? handler : (event) => {
+    const message = JSON.parse(event.data);
+    if (message.type !== "frame" || !window.wanted) return handler(event);
+    return handler({ data: JSON.stringify(merge(message, window.wanted)) });
+  });
+};
+"""
+
+
 def until(condition: Callable[[], object], seconds: float = PATIENCE_S) -> None:
     """Wait until it is true; fail if it never is."""
     end = time.monotonic() + seconds

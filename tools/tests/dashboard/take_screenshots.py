@@ -12,8 +12,8 @@ from typing import Any
 
 from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
-from state_table import STATES
-from station import CHROMIUM, FAKE_PAD, Station, arm, hold_pad, open_tab, ready, until
+from state_table import STATES, merged
+from station import CHROMIUM, FAKE_PAD, SHOWS, Station, arm, hold_pad, open_tab, ready, until
 
 LAPTOP: dict[str, Any] = {"viewport": {"width": 1440, "height": 900}}
 TABLET: dict[str, Any] = {"viewport": {"width": 1024, "height": 600}}
@@ -110,27 +110,8 @@ def inhibited(browser: Browser, folder: Path) -> None:
         save(page, folder, "phone-inhibited")
 
 
-# Every frame that the page gets is changed into the state that is wanted.
-SHOWS = """
-window.wanted = null;
-const listen = WebSocket.prototype.addEventListener;
-const isTable = (value) => value && typeof value === "object" && !Array.isArray(value);
-const merge = (one, other) => {
-  const both = { ...one };
-  for (const [key, value] of Object.entries(other)) {
-    both[key] = isTable(value) ? merge(one[key] ?? {}, value) : value;
-  }
-  return both;
-};
-WebSocket.prototype.addEventListener = function (kind, handler) {
-  listen.call(this, kind, kind !== "message" ? handler : (event) => {
-    const message = JSON.parse(event.data);
-    if (message.type !== "frame" || !window.wanted) return handler(event);
-    return handler({ data: JSON.stringify(merge(message, window.wanted)) });
-  });
-};
-"""
-GALLERY_SIZES = ((1440, 900), (1024, 600), (720, 450), (667, 375), (320, 568), (390, 844))
+# A laptop, and at 200 % (720 by 450; 683 by 384 of a smaller one); a phone lying; less; a phone.
+GALLERY_SIZES = ((1440, 900), (720, 450), (683, 384), (667, 375), (512, 384), (320, 568))
 HEIGHT = 220
 
 
@@ -143,16 +124,28 @@ def press_past(page: Page) -> None:
     page.locator("#past-at").fill("-3")
 
 
+def press_go(page: Page) -> None:
+    page.locator("#map-go").click()
+
+
 def gallery(browser: Browser, folder: Path) -> None:
     """Draw all states in all sizes and both themes as one page."""
     folder = folder / "gallery"
     folder.mkdir(exist_ok=True)
-    opens = {"place": press_place, "past": press_past} | {
+    opens = {"place": press_place, "go to": press_go, "past": press_past} | {
         f"tab {name}": partial(open_tab, name=name)
         for name in ("plots", "events", "io", "link", "sim")
     }
     scenes = [(title, frame, None) for title, frame in STATES]
-    scenes += [("DISARMED", {"driver": None, "driver_name": None}, None)]
+    nobody = {"driver": None, "driver_name": None, "facts": {"armed": False}}
+    other = {"driver": 99, "driver_name": "phone of the laboratory", "relievable": True}
+    asks = {"asker": 99, "asker_name": "phone of the laboratory"}
+    goes = {"going": [3.0, 1.0], "going_m_s": 0.3, "facts": {"armed": True, "driving": True}}
+    scenes += [("DISARMED, nobody has control", nobody, None)]
+    scenes += [("ARMED by another page", other | {"facts": {"armed": True}}, None)]
+    scenes += [("ARMED, another page asks", asks | {"facts": {"armed": True}}, None)]
+    scenes += [("DRIVING by itself", goes, None)]
+    scenes += [("Several alarms", merged(STATES[3][1], merged(STATES[5][1], STATES[2][1])), None)]
     scenes += [("ARMED", {"facts": {"armed": True}}, name) for name in opens]
     scenes += [("NO CONNECTION", {}, "gone")]
     rows = []
@@ -167,7 +160,8 @@ def gallery(browser: Browser, folder: Path) -> None:
         drive_about(here, page, 3.0)
         page.evaluate("hold(0, 0)")
         for number, (title, frame, special) in enumerate(scenes):
-            page.evaluate("(frame) => { window.wanted = frame; }", {"why": "", **frame})
+            calm = {"why": "", "must_let_go": False}
+            page.evaluate("(frame) => { window.wanted = frame; }", calm | frame)
             if special == "gone":
                 here.stop_serving()
                 page.get_by_text("NO CONNECTION").first.wait_for()

@@ -32,6 +32,24 @@ def test_the_battery_s_trend_is_the_slope_of_the_last_minutes(percent_h: float) 
     assert discharged(percent_h, 200).trend_percent_h() == pytest.approx(percent_h, abs=0.1)
 
 
+def test_where_no_battery_was_received_is_a_gap_and_no_trend() -> None:
+    history = discharged(-12.0, 100)
+    history.add_battery(1e9 + 100 * BATTERY_EVERY_S, math.nan, math.nan)
+    assert history.battery.columns()[1][-1] is None
+    assert history.trend_percent_h() == pytest.approx(-12.0, abs=0.1)
+
+
+@pytest.mark.parametrize("speed_m_s", [0.3, 1.0, 2.6])
+def test_ten_minutes_of_driving_fit_into_the_trail(speed_m_s: float) -> None:
+    history = History()
+    for frame in range(700 * 30):
+        history.add_place(1e9 + frame / 30, speed_m_s * frame / 30, 0.0, 0.0)
+    times = history.path.columns()[2]
+    assert times[0] is not None
+    assert times[-1] is not None
+    assert times[-1] - times[0] > 595.0
+
+
 def test_a_ring_keeps_the_latest_rows_oldest_first() -> None:
     ring = Ring(2, 3)
     assert ring.columns() == [[], []]

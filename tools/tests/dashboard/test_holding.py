@@ -10,6 +10,7 @@ from playwright.sync_api import Page, Playwright, expect
 from station import (
     CHROMIUM,
     LEASE_S,
+    SHOWS,
     Finger,
     Station,
     arm,
@@ -211,6 +212,87 @@ def test_everything_that_drives_is_whole_in_every_small_size(
         assert chart["height"] >= height / 3 - 1, (width, height)
         assert chart["width"] >= width / 3 - 1, (width, height)
         assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+WORST: dict[str, dict[str, Any]] = {
+    "alarms": {
+        "facts": {"other_commander": True, "inhibited": True, "pose_error": True, "at_rest": False},
+        "speeds": [-1.0, -1.28, 0.2, -0.35],
+        "battery": {"state": "critical"},
+    },
+    "others": {
+        "driver": 99,
+        "driver_name": "phone of the laboratory, Anna",
+        "recording": {"on": True, "seconds": 1, "statuses": 1, "lost": 0, "why": "", "forms": []},
+    },
+}
+WITHIN = """() => {
+    const inside = (box, room) => box.left >= room.left - 1 && box.right <= room.right + 1
+        && box.top >= room.top - 1 && box.bottom <= room.bottom + 1;
+    const screen = new DOMRect(0, 0, innerWidth, innerHeight);
+    const seen = (node) => node.checkVisibility() && node.getBoundingClientRect().width > 1;
+    const text = (node) => {
+        const range = document.createRange();
+        range.selectNodeContents(node);
+        return range.getBoundingClientRect();
+    };
+    return [
+        ...[...document.querySelectorAll(".top :is(h1, .tag, .mode, .chip), .speed *")].filter(seen)
+            .filter((node) => !inside(node.getBoundingClientRect(), screen)),
+        ...[...document.querySelectorAll(".drive button, .mode, .tag, .banner strong")].filter(seen)
+            .filter((node) => !inside(text(node), node.closest("button, .top, .banner")
+                .getBoundingClientRect())),
+        ...[...document.querySelectorAll(".top > *, .top :is(.tag, .mode, .chip)")].filter(seen)
+            .filter((node) => !inside(node.getBoundingClientRect(),
+                document.querySelector(".top").getBoundingClientRect())),
+        ...[document.querySelector("#banner-text > :last-child")].filter((node) => node.textContent)
+            .filter((node) => !inside(text(node), document.getElementById("banner")
+                .getBoundingClientRect())),
+    ].map((node) => node.id || node.className || node.textContent);
+}"""
+
+
+@pytest.mark.parametrize("touch", [False, True])
+def test_nothing_that_tells_is_cut_off_in_any_size(
+    touch: bool, station: Make, visit: Visit
+) -> None:
+    here = station(panel=True)
+    page = visit(here.url, init=SHOWS, has_touch=touch, is_mobile=touch)
+    ready(page)
+    take_control(page)
+    for name, frame in WORST.items():
+        page.evaluate("(frame) => { window.wanted = frame; }", frame)
+        if name == "alarms":
+            expect(page.locator("#banner-title")).to_have_text("ANOTHER COMMANDER")
+        else:
+            expect(page.locator("#control")).to_contain_text("Anna")
+        for size in SIZES:
+            resize(page, size)
+            page.wait_for_timeout(50)  # the banner is fitted when it has its size
+            assert page.evaluate(WITHIN) == [], (name, size)
+
+
+@pytest.mark.parametrize("touch", [False, True])
+def test_whoever_chooses_a_place_sees_the_map_and_all_fields(
+    touch: bool, station: Make, visit: Visit
+) -> None:
+    here = station(panel=True, lease_s=1.0)
+    page = visit(here.url, init=SHOWS, has_touch=touch, is_mobile=touch)
+    ready(page)
+    take_control(page)
+    page.evaluate("window.wanted = { facts: { armed: true }, why: '' }; 0")
+    for what in ("go", "relocalize"):
+        for size in SMALL:
+            resize(page, size)
+            page.locator(f"#map-{what}").click()
+            for name in ("set", "cancel", "x", "y", "warning"):
+                expect(page.locator(f"#relocalize-{name}")).to_be_in_viewport(ratio=0.99)
+            chart = page.locator("#map").bounding_box()
+            form = page.locator("#relocalize").bounding_box()
+            assert chart is not None
+            assert form is not None
+            assert form["y"] - chart["y"] >= 60, (what, size)
+            page.locator("#relocalize-cancel").click()
 
 
 def test_no_tab_is_cut_off_at_its_side(station: Make, visit: Visit) -> None:

@@ -155,6 +155,18 @@ def test_escape_closes_what_is_open(station: Make, visit: Visit) -> None:
     expect(page.locator("#past")).to_be_hidden()
 
 
+def test_a_held_escape_closes_one_thing(station: Make, visit: Visit) -> None:
+    page = visit(station().url)
+    ready(page)
+    open_tab(page, "plots")
+    page.locator("#map-past").click()
+    page.keyboard.down("Escape")
+    expect(page.locator("#past")).to_be_hidden()
+    page.keyboard.down("Escape")  # as the keyboard repeats it
+    page.keyboard.up("Escape")
+    expect(page.locator("#panel-plots")).to_be_visible()
+
+
 def test_r_begins_a_recording_and_ends_none(station: Make, visit: Visit) -> None:
     here = station()
     page = visit(here.url)
@@ -283,6 +295,28 @@ def test_nothing_sounds_live_when_the_connection_is_lost(station: Make, visit: V
     expect(page.locator("#arm")).to_be_disabled()
 
 
+def test_nothing_can_be_answered_set_or_recorded_without_a_connection(
+    station: Make, visit: Visit
+) -> None:
+    here = station()
+    page, other = visit(here.url), visit(here.url)
+    ready(page)
+    take_control(page)
+    other.locator("#take").click()
+    expect(page.locator("#asked-by")).to_be_visible()
+    open_tab(page, "events")
+    page.locator("#record").click()
+    expect(page.locator("#recording")).to_be_visible()
+    page.locator("#map-relocalize").click()
+    here.stop_serving()
+    expect(page.locator("#mode")).to_have_text("UNKNOWN")
+    for name in ("#asked-by", "#relocalize", "#map-relocalize", "#recording"):
+        expect(page.locator(name)).to_be_hidden()
+    expect(page.locator("#drive-why")).to_be_visible()
+    expect(page.locator("#record")).to_be_disabled()
+    expect(page.locator("#record-text")).to_have_text("not known")
+
+
 def test_an_input_that_is_not_sent_says_so(station: Make, visit: Visit) -> None:
     here = station()
     page = visit(here.url)
@@ -319,6 +353,18 @@ def test_a_plot_has_a_gap_where_nothing_was_received(station: Make, visit: Visit
     assert old == [None]
 
 
+def test_a_page_that_opens_later_has_the_same_gaps(station: Make) -> None:
+    here = station(enable_drive=False)
+    until(lambda: here.hub._latest.get("battery") and here.hub._latest.get("speeds"))
+    history = History()
+    frames = Frames(here.robot, history)
+    frames.take(0.0, 100.0)
+    frames._stale = ["differential", "battery"]
+    frames.take(0.0, 200.0)
+    assert history.speeds.columns()[1] == [0.0, None]
+    assert history.battery.columns()[1] == [100.0, None]
+
+
 # ---- what else may be wrong ----
 
 
@@ -333,12 +379,23 @@ def test_a_charger_and_a_lost_pose_are_told_and_logged(station: Make, visit: Vis
     expect(page.locator("#banner-more")).to_contain_text("POSE WRONG")
     events = page.locator("#events")
     expect(events).to_contain_text("the charger was plugged in")
+    expect(events).to_contain_text("armed or moving with the charger plugged in")
     expect(events).to_contain_text("the localization reports an error")
     here.sim.set("charger", False)
     here.sim.set("localization_flags", 18)
     expect(events).to_contain_text("the charger was unplugged")
     expect(events).to_contain_text("the localization works again")
     expect(page.locator("#banner-more")).to_be_empty()
+
+
+def test_a_bumper_is_logged(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    ready(page)
+    events = page.locator("#events")
+    for pressed, text in ((True, "the rear bumper was pressed"), (False, "was released")):
+        here.sim.set("rear_bumper", pressed)
+        expect(events).to_contain_text(text)
 
 
 def test_a_commander_that_stop_cannot_stop_is_told(station: Make, visit: Visit) -> None:
@@ -373,6 +430,26 @@ def test_an_alarm_sounds_and_vibrates_for_whoever_wants_it(station: Make, visit:
     here.sim.set("front_bumper", True)
     expect(page.locator("#banner-title")).to_have_text("FRONT BUMPER")
     assert page.evaluate("shakes") == 2
+
+
+def test_an_alarm_sounds_on_a_page_that_was_loaded_again(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    ready(page)
+    open_tab(page, "link")
+    page.get_by_role("button", name="alarm sound").click()
+    page.reload()
+    ready(page)
+    # Browsers suspend a sound that begins before the page is touched.
+    page.evaluate("""window.resumed = 0; {
+        const resume = AudioContext.prototype.resume;
+        AudioContext.prototype.resume = function () { resumed += 1; return resume.call(this); };
+    } 0;""")
+    for times in (1, 2):
+        here.sim.set("front_bumper", True)
+        page.wait_for_function("(times) => resumed === times", arg=times)
+        here.sim.set("front_bumper", False)
+        expect(page.locator("#banner-title")).to_have_text("DISARMED")
 
 
 def test_the_pale_band_shows_what_the_slider_gives(station: Make, visit: Visit) -> None:
@@ -453,6 +530,19 @@ def test_map_and_plots_go_back_in_time_and_stop_stays_live(station: Make, visit:
     expect(page.locator("#past")).to_be_hidden()
     expect(page.locator("#map")).not_to_have_attribute("data-past", "")
     expect(page.locator("#plot-pause")).to_have_text("pause")
+
+
+def test_the_page_keeps_ten_minutes_of_the_trail(station: Make, visit: Visit) -> None:
+    page = visit(station(enable_drive=False).url)
+    kept_s = page.evaluate("""async () => {
+        const { RobotMap } = await import("/static/map.js");
+        const path = [];
+        for (let frame = 0; frame < 1200 * 30; frame++) {
+            RobotMap.prototype.keep(path, { x_m: frame / 15, y_m: 0, theta_rad: 0 }, frame / 30);
+        }
+        return path.at(-1)[2] - path[0][2];
+    }""")
+    assert kept_s > 595
 
 
 # ---- the map's words ----

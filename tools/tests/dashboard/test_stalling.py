@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Inputs that are late, old, repeated or invented: none of them moves the robot."""
 
+import asyncio
 import contextlib
 import time
 from collections.abc import Callable, Iterator
@@ -12,6 +13,7 @@ from station import LEASE_S, Station, arm, drive, ready, until
 from test_driving import WITHIN_S
 from websockets.exceptions import ConnectionClosed
 
+from roburoc4_tools.dashboard.app import _hear
 from roburoc4_tools.dashboard.fleet import Fleet
 from roburoc4_tools.dashboard.hub import MOST_PAGES
 from roburoc4_tools.dashboard.messages import BadMessageError, Messages
@@ -181,6 +183,25 @@ def test_nonsense_ends_the_connection_and_nothing_else(
             while True:
                 visitor.receive()
     assert not caplog.records
+
+
+class Gone:
+    """A page that is gone when it is told that it is."""
+
+    async def receive_text(self) -> str:
+        return "nonsense"
+
+    async def close(self, code: int, reason: str) -> None:
+        assert (code, reason) == (1008, "not JSON")
+        raise RuntimeError("a close message has been sent")
+
+
+def test_nonsense_of_a_page_that_is_gone_raises_nothing(station: Make) -> None:
+    here = station()
+    page = here.hub.join()
+    messages = Messages(Fleet([here.hub]), here.hub, page)
+    asyncio.run(_hear(messages, Gone()))  # type: ignore[arg-type]
+    assert page not in here.hub.pages
 
 
 @pytest.mark.parametrize("goal", [{"x_m": 2000.0}, {"clearance_m": -1.0}, {"y_m": -1001.0}])

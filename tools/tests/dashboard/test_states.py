@@ -45,7 +45,7 @@ def test_every_pair_of_states_has_a_decided_order(
     assert len(pairs) > 80
     both = [merged(merged(CALM, other[1]), one[1]) for one, other in pairs]
     for (one, other), found in zip(pairs, states_of(both), strict=True):
-        titles = [title for _, title, _ in found]
+        titles = [title for _, title, *_ in found]
         assert one[0] in titles, f"{one[0]} is hidden by {titles}"
         if one[0] == "ROBOT LOST":
             assert titles == ["ROBOT LOST"], "nothing else is known of a robot that is silent"
@@ -58,15 +58,58 @@ def test_each_state_alone_has_the_banner_and_each_alarm_a_remedy(
 ) -> None:
     alone = [merged(CALM, frame) for _, frame in STATES]
     for (title, _), found in zip(STATES, states_of(alone), strict=True):
-        level, shown, text = found[0]
+        level, shown, _, remedy = found[0]
         assert shown == title
-        assert level not in ("bad", "weak") or "Try: " in text, title
+        assert level not in ("bad", "weak") or remedy.startswith("Try: "), title
 
 
 def test_driving_alone_is_no_alarm(states_of: Callable[[list[Frame]], list[Any]]) -> None:
     driving = merged(merged(CALM, MOVES), {"facts": {"armed": True, "driving": True}})
     (found,) = states_of([driving])
-    assert [title for level, title, _ in found if level in ("bad", "weak")] == []
+    assert [title for level, title, *_ in found if level in ("bad", "weak")] == []
+
+
+def test_a_robot_that_brakes_is_not_moved_by_somebody(
+    states_of: Callable[[list[Frame]], list[Any]],
+) -> None:
+    disarmed = merged(merged(CALM, MOVES), {"facts": {"armed": False}})
+    brakes, driven = states_of([disarmed, disarmed | {"speeds": [1.28, 1.28, 0.0, 0.0]}])
+    assert brakes[0][1:] == [
+        "MOVING",
+        "Its target is zero: it brakes, or something pushes it. "
+        "The robot moves: 1.28\u202fm/s, 0.00\u202frad/s.",
+        "Try: wait until it stands.",
+    ]
+    assert driven[0][2].startswith("Nothing is commanded from here.")
+    assert driven[0][3].startswith("Try: look who moves it")
+
+
+def test_what_was_stopped_may_still_move_and_what_is_over_is_no_alarm(
+    states_of: Callable[[list[Frame]], list[Any]],
+) -> None:
+    armed = merged(merged(CALM, MOVES), {"facts": {"armed": True}})
+    why = {"why": "it did not arrive: something is too near"}
+    late, over = states_of([armed | why | {"must_let_go": True}, armed | why])
+    assert late[0][1] == "LET GO"
+    assert "The robot moves: 1.28\u202fm/s" in late[0][2]
+    assert over[0][1:3] == ["ARMED", "It did not arrive: something is too near."]
+
+
+def test_what_prevents_arming_now_comes_before_what_is_past(
+    states_of: Callable[[list[Frame]], list[Any]],
+) -> None:
+    past = merged(CALM, {"why": "the robot was lost", "facts": {"blocked": "release [A]"}})
+    now, after = states_of([past, merged(past, {"facts": {"blocked": ""}})])
+    assert (now[0][2], after[0][2]) == ("Release [A].", "The robot was lost.")
+
+
+def test_the_way_of_a_robot_that_goes_by_itself_is_in_the_banner(
+    states_of: Callable[[list[Frame]], list[Any]],
+) -> None:
+    pose = {"x_m": 0.0, "y_m": 0.0, "theta_rad": 0.0}
+    goes = {"going": [3.0, 4.0], "going_m_s": 0.5, "pose": pose}
+    (found,) = states_of([merged(CALM, goes | {"facts": {"armed": True, "driving": True}})])
+    assert found[0][2] == "By itself: 5.0\u202fm, 10\u202fs or more at 0.50\u202fm/s."
 
 
 def test_no_state_says_the_opposite_of_the_measured_speed(
@@ -77,7 +120,7 @@ def test_no_state_says_the_opposite_of_the_measured_speed(
     claims = ("The robot stands", "1.28\u202fm/s", "not known whether the robot moves")
     for frame, claim in ((still, claims[0]), (MOVES, claims[1]), (unknown, claims[2])):
         frames = [merged(merged(CALM, state), frame) for _, state in STATES]
-        texts = [text for found in states_of(frames) for _, _, text in found]
+        texts = [text for found in states_of(frames) for _, _, text, _ in found]
         assert any(claim in text for text in texts)
         for wrong in set(claims) - {claim}:
             assert not any(wrong in text for text in texts), (wrong, claim)

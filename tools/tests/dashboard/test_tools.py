@@ -201,8 +201,9 @@ def test_a_camera_is_shown_and_no_other_picture(camera: str, station: Make, visi
     assert refused.endswith("other.mjpg")
 
 
+@pytest.mark.parametrize("large", [False, True])
 def test_a_picture_that_is_old_says_so_and_a_dead_camera_takes_no_room(
-    camera: str, station: Make, visit: Visit
+    large: bool, camera: str, station: Make, visit: Visit
 ) -> None:
     here = station(cameras=[Camera("front", camera)])
     page = visit(here.url)
@@ -210,6 +211,8 @@ def test_a_picture_that_is_old_says_so_and_a_dead_camera_takes_no_room(
     caption = page.locator("figcaption")
     expect(page.locator("figure[data-state=live]")).to_be_visible()
     expect(caption).to_have_text("front")
+    if large:
+        page.get_by_role("button", name="camera front large").click()
     RUNS.clear()
     expect(caption).to_contain_text("front: no new picture for")
     wide = page.locator("#map").evaluate("(node) => node.clientWidth")
@@ -318,6 +321,16 @@ def test_a_keyboard_alone_reaches_everything(station: Make, visit: Visit) -> Non
 
 
 @pytest.mark.both
+def test_a_slider_that_has_the_focus_leaves_letters_to_the_page(
+    station: Make, visit: Visit
+) -> None:
+    page = visit(station().url)
+    ready(page)
+    page.locator("#scale").focus()
+    page.keyboard.press("e")
+    expect(page.locator("#panel-events")).to_be_visible()
+
+
 def test_what_a_key_opens_has_the_focus(station: Make, visit: Visit) -> None:
     here = station()
     page = visit(here.url)

@@ -119,14 +119,15 @@ async def _hear(messages: Messages, websocket: WebSocket) -> None:
     try:
         while True:
             messages.receive(await websocket.receive_text())
-    except BadMessageError as error:
-        messages.end()
-        await websocket.close(_POLICY, str(error))
-    except KeyError:  # bytes instead of text
-        messages.end()
-        await websocket.close(_POLICY, "not a text")
     except WebSocketDisconnect:
-        pass
+        return
+    except BadMessageError as error:
+        reason = str(error)
+    except KeyError:  # bytes instead of text
+        reason = "not a text"
+    messages.end()
+    with contextlib.suppress(WebSocketDisconnect, RuntimeError):  # it may have closed, too
+        await websocket.close(_POLICY, reason)
 
 
 async def _send(websocket: WebSocket, page: Page) -> None:

@@ -24,6 +24,7 @@ from roburoc4.records import (
     ChannelNames,
     DifferentialProperties,
     DifferentialStatus,
+    Facts,
     IoCardStatus,
     LocalizationStatus,
     TelemeterProperties,
@@ -43,6 +44,12 @@ _UNCONFIRMED = (StopOutcome.TIMED_OUT, StopOutcome.OVERRIDDEN)
 _PLUGGED_IN = (int(BatteryState.CHARGING), int(BatteryState.CHARGED))
 _POSE_ERROR = int(LocalizationFlag.INVALID | LocalizationFlag.ERROR)
 _NOTES = {
+    ("front_bumper", True): ("bad", "the front bumper was pressed"),
+    ("front_bumper", False): ("plain", "the front bumper was released"),
+    ("rear_bumper", True): ("bad", "the rear bumper was pressed"),
+    ("rear_bumper", False): ("plain", "the rear bumper was released"),
+    ("tugs", True): ("bad", "armed or moving with the charger plugged in"),
+    ("tugs", False): ("plain", "at rest and disarmed again, or unplugged"),
     ("charger", True): ("plain", "the charger was plugged in"),
     ("charger", False): ("plain", "the charger was unplugged"),
     ("pose_error", True): ("weak", "the localization reports an error: do not trust the pose"),
@@ -113,7 +120,7 @@ class Frames:
                 "missing": [service.name.lower() for service in facts.missing],
                 "stop_unconfirmed": not self._rested and facts.stop_outcome in _UNCONFIRMED,
                 "at_rest": at_rest,
-                **self._conditions(time_s, battery, pose),
+                **self._conditions(time_s, battery, pose, facts),
                 "blocked": blocked(facts),
             },
             "stale": self._stale,
@@ -136,15 +143,25 @@ class Frames:
         return all(abs(speed) < STILL for speed in speeds)  # False for NaN
 
     def _conditions(
-        self, time_s: float, battery: BatteryStatus | None, pose: LocalizationStatus | None
+        self,
+        time_s: float,
+        battery: BatteryStatus | None,
+        pose: LocalizationStatus | None,
+        facts: Facts,
     ) -> dict[str, bool]:
         """Return conditions that the library reports no events for, and note their changes."""
+        charger = battery is not None and battery.state in _PLUGGED_IN
         now = {
-            "charger": battery is not None and battery.state in _PLUGGED_IN,
+            "charger": charger,
             "pose_error": pose is not None and bool(int(pose.flags) & _POSE_ERROR),
         }
-        for name, on in now.items():
-            if self._fresh and on != self._told.get(name, False):
+        noted = now | {
+            "front_bumper": facts.front_bumper,
+            "rear_bumper": facts.rear_bumper,
+            "tugs": charger and (facts.armed or self.at_rest is False),
+        }
+        for name, on in noted.items():
+            if self._fresh and on is not None and on != self._told.get(name, False):
                 self._told[name] = on
                 self._history.note(time_s, *_NOTES[name, on])
         return now
@@ -154,7 +171,8 @@ class Frames:
     ) -> list[float | None] | None:
         if status is None:
             return None
-        self._history.add_speeds(time_s, status[1:5] if self._fresh else (math.nan,) * 4)
+        fresh = self._fresh and "differential" not in self._stale
+        self._history.add_speeds(time_s, status[1:5] if fresh else (math.nan,) * 4)
         return [number(speed) for speed in status[1:5]]
 
     def _pose(self, time_s: float, status: LocalizationStatus | None) -> Document | None:
@@ -185,8 +203,10 @@ class Frames:
         if status is None:
             return None
         volts = self._volts()
-        if self._fresh:
+        if self._fresh and "battery" not in self._stale:
             self._history.add_battery(time_s, status.remaining_percent, volts)
+        else:
+            self._history.add_battery(time_s, math.nan, math.nan)
         state = status.state
         return {
             "state": state.name.lower() if isinstance(state, BatteryState) else f"state {state}",

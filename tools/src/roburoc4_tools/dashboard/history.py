@@ -15,7 +15,9 @@ BATTERY_EVERY_S = 10.0
 BATTERY_ROWS = 4320
 PATH_STEP_M = 0.03
 PATH_STEP_RAD = 0.1
-PATH_ROWS = 4000
+PATH_EVERY_S = 0.1
+PATH_ROWS = 6000
+"""Ten minutes of driving."""
 EVENT_ROWS = 200
 _TREND_ROWS = 60
 _TREND_LEAST_ROWS = 6
@@ -85,6 +87,7 @@ class History:
         self._speed_due_s = -math.inf
         self._battery_due_s = -math.inf
         self._place = (math.inf, math.inf, math.inf)
+        self._place_s = -math.inf
 
     @property
     def last_event(self) -> int:
@@ -118,19 +121,22 @@ class History:
         self._latest_s = time_s
 
     def add_place(self, time_s: float, x_m: float, y_m: float, theta_rad: float) -> None:
-        """Store a pose if it differs from the last."""
+        """Store a pose if it differs from the last; not too often, whatever the speed."""
+        if abs(time_s - self._place_s) < PATH_EVERY_S:
+            return
         moved_m = math.hypot(x_m - self._place[0], y_m - self._place[1])
         turned_rad = abs(theta_rad - self._place[2])
         if moved_m >= PATH_STEP_M or turned_rad >= PATH_STEP_RAD:  # False for NaN.
-            self._place = (x_m, y_m, theta_rad)
+            self._place, self._place_s = (x_m, y_m, theta_rad), time_s
             self.path.append((x_m, y_m, time_s, theta_rad))
 
     def trend_percent_h(self) -> float | None:
         """Return the battery's trend in percent per hour; None while it is unknown."""
-        count = min(len(self.battery), _TREND_ROWS)
+        latest = (self.battery.row(back) for back in range(min(len(self.battery), _TREND_ROWS)))
+        rows = [row for row in latest if math.isfinite(row[1])]
+        count = len(rows)
         if count < _TREND_LEAST_ROWS:
             return None
-        rows = [self.battery.row(back) for back in range(count)]
         mean_s = sum(row[0] for row in rows) / count
         mean = sum(row[1] for row in rows) / count
         spread = sum((row[0] - mean_s) ** 2 for row in rows)

@@ -15,6 +15,7 @@ function show() {
 function beep() {
   navigator.vibrate?.([200, 100, 200]);
   sound ??= new AudioContext();
+  sound.resume(); // one that was made before the page was first touched is suspended
   const tone = sound.createOscillator();
   const volume = sound.createGain();
   volume.gain.value = 0.2;

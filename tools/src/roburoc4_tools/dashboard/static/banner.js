@@ -5,11 +5,24 @@ import { by, make, mark, put } from "./text.js";
 import { silence, statesOf } from "./states.js";
 import { alarm } from "./alarm.js";
 
+const [matter, remedy] = by("banner-text").children;
+const words = by("banner-text").parentNode;
+
+/** Where not all of it has room, what to do counts more than what is the matter. */
+function fit() {
+  by("banner").classList.remove("brief");
+  by("banner").classList.toggle("brief", words.scrollHeight > words.clientHeight + 1 && remedy.textContent !== "");
+}
+
+new ResizeObserver(fit).observe(by("banner"));
+
 function showStates([first, ...others]) {
-  const [level, title, text] = first;
+  const [level, title, text, attempt] = first;
+  const before = by("banner").textContent;
   mark(by("banner"), "level", level);
   put(by("banner-title"), title);
-  put(by("banner-text"), text);
+  put(matter, text);
+  put(remedy, attempt);
   const more = others.filter(([of]) => of === "bad" || of === "weak");
   const names = more.map(([of, name]) => `${of}:${name}`).join();
   if (by("banner-more").dataset.names !== names) {
@@ -20,7 +33,8 @@ function showStates([first, ...others]) {
       return node;
     }));
   }
-  announce(level, title, text);
+  if (by("banner").textContent !== before) fit();
+  announce(level, title, `${text} ${attempt}`);
   alarm([first, ...others].filter(([of]) => of === "bad").map(([, name]) => name));
 }
 

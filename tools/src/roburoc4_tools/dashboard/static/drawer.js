@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The tabs below the map: one open or none, by click or by key.
-import { by, show } from "./text.js";
+import { by, show, typesIn } from "./text.js";
 
 const KEYS = { KeyP: "plots", KeyE: "events", KeyI: "io", KeyL: "link", KeyM: "sim" };
 const ROOMY = "(min-width: 1000px) and (min-height: 820px)";
-
-/** Whether a key is meant for a field. */
-const writes = (node) => node.closest?.("input, select, textarea") !== null;
 
 export class Drawer {
   /** onOpen: called with the name of the tab that was opened. */
@@ -26,7 +23,7 @@ export class Drawer {
     if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
     const at = this.tabs.indexOf(document.activeElement);
     if (at >= 0 && ["ArrowLeft", "ArrowRight"].includes(event.code)) this.focus(at, event.code === "ArrowRight" ? 1 : -1);
-    else if (event.code in KEYS && !writes(event.target) && !by(`tab-${KEYS[event.code]}`).hidden) this.enter(KEYS[event.code]);
+    else if (event.code in KEYS && !typesIn(event.target) && !by(`tab-${KEYS[event.code]}`).hidden) this.enter(KEYS[event.code]);
   }
 
   focus(at, way) {

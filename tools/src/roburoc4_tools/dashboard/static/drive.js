@@ -140,6 +140,7 @@ export class Drive {
     if (!on) return;
     this.mine = false;
     this.urgent = true;
+    this.showAsker({ asker: null });
     showMode("unknown");
     put(by("control").lastChild, "not known");
     put(by("drive-why"), "Nothing can be driven from here: there is no connection to the dashboard.");

@@ -43,8 +43,8 @@ const past = new Past((time_s) => {
   if (time_s === null) delete by("map").dataset.past;
 });
 
-addEventListener("keydown", ({ code }) => {
-  if (code !== "Escape") return;
+addEventListener("keydown", ({ code, repeat }) => {
+  if (code !== "Escape" || repeat) return; // one that is held closes one thing
   const signals = document.querySelector(".signals");
   if (drive.going) drive.letGo();
   else if (place.active) place.begin("");
@@ -85,7 +85,7 @@ function hello(message) {
   about.simulated = message.simulated;
   show(by("tab-sim"), message.simulated);
   document.title = `${message.name || "roburoc4"} ${message.simulated ? "simulator" : message.address}`;
-  put(by("version"), `roburoc4 ${message.version}, page ${message.page}`);
+  put(by("version"), `roburoc4 ${message.version}`);
   if (message.simulated) panel.build();
   if (message.name !== about.name) about = { ...about, everReady: false, name: message.name };
   drive.begin(message);
@@ -135,7 +135,9 @@ function drawFrame(frame) {
 function silent(on, why) {
   document.body.classList.toggle("silent", on);
   drive.silent(on);
+  recording.silent(on);
   if (!on) return;
+  place.silent();
   showSilence(why, drive.stopping);
   showNoLink();
   // After a failure of the network, TCP may hold back what was sent on the old connection for a minute.

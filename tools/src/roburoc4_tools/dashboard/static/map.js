@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The robot from above at its pose: X up, Y left.
 import { inkOf } from "./fleet.js";
-import { by, colour, figure, mark, put } from "./text.js";
+import { by, colour, figure, mark, put, typesIn } from "./text.js";
 
 const LENGTH = 1.31;
 const WIDTH = 0.75;
@@ -9,6 +9,8 @@ const WHEEL = { x: 0.305, y: 0.34, length: 0.56, width: 0.14 };
 const MOST_PLACES = 8000;
 const STEP_M = 0.03;
 const STEP_RAD = 0.1;
+const STEP_S = 0.1; // so that ten minutes of driving fit
+const AXES_PX = 360; // on a narrower map they would cover the pose
 const NEAR_PX = 14;
 const NEAR_M = 0.5;
 const RECENT_S = 60;
@@ -28,6 +30,8 @@ export class RobotMap {
     this.canvas = canvas;
     this.send = send;
     this.pen = canvas.getContext("2d");
+    this.tools = by("map-follow").parentNode;
+    this.top = 44;
     this.onMoveBox = onMoveBox;
     this.path = [];
     this.truth = [];
@@ -80,7 +84,7 @@ export class RobotMap {
   }
 
   key(event) {
-    if (event.ctrlKey || event.altKey || event.metaKey || event.target.matches?.("input, select, textarea")) return;
+    if (event.ctrlKey || event.altKey || event.metaKey || typesIn(event.target)) return;
     if (event.key === "+") this.zoom(1.4);
     else if (event.key === "-") this.zoom(1 / 1.4);
     else if (event.code === "KeyF" && !event.repeat) this.setFollow(!this.follow);
@@ -155,7 +159,7 @@ export class RobotMap {
 
   keep(list, { x_m: x, y_m: y, theta_rad: theta }, time_s) {
     const last = list.at(-1);
-    if (last && Math.hypot(x - last[0], y - last[1]) < STEP_M && Math.abs(theta - last[3]) < STEP_RAD) return;
+    if (last && (Math.abs(time_s - last[2]) < STEP_S || (Math.hypot(x - last[0], y - last[1]) < STEP_M && Math.abs(theta - last[3]) < STEP_RAD))) return;
     list.push([x, y, time_s, theta]);
     if (list.length > MOST_PLACES) list.splice(0, MOST_PLACES / 4);
   }
@@ -163,6 +167,7 @@ export class RobotMap {
   show(frame, about) {
     this.frame = frame;
     this.about = about;
+    this.top = Math.max(44, this.tools.offsetHeight + 18);
     const pose = frame.pose;
     if (pose && pose.x_m !== null && pose.y_m !== null && pose.theta_rad !== null) {
       if (frame.state === "ready") this.keep(this.path, pose, frame.time_s);
@@ -215,7 +220,8 @@ export class RobotMap {
     const [x_m, y_m, time_s, theta_rad] = then;
     this.inFrame({ x_m, y_m, theta_rad }, () => this.paintRobot({}));
     const [px, py] = this.at(x_m, y_m);
-    this.label(`here at ${clock.format(time_s * 1000)}`, px, py - 20, this.ink.text);
+    const text = `here at ${clock.format(time_s * 1000)}`;
+    this.label(text, ...this.inside(text, px, py - 20), this.ink.text);
   }
 
   /** The place to which a robot goes by itself, and its way. */
@@ -298,7 +304,7 @@ export class RobotMap {
     pen.stroke();
     const text = `${this.cell} m`;
     this.label(text, x + 4, y - 8, ink.soft, "left");
-    this.label("X ↑   Y ←", x + Math.max(long, pen.measureText(text).width + 4) + 14, y, ink.soft, "left");
+    if (this.width > AXES_PX) this.label("X ↑   Y ←", x + Math.max(long, pen.measureText(text).width + 4) + 14, y, ink.soft, "left");
   }
 
   label(text, x, y, ink, align = "center") {
@@ -416,7 +422,7 @@ export class RobotMap {
   }
 
   sees(px, py) {
-    return px > 34 && px < this.width - 34 && py > 44 && py < this.height - 36;
+    return px > 34 && px < this.width - 34 && py > this.top && py < this.height - (this.width > AXES_PX ? 36 : 64);
   }
 
   paintRobot(facts) {

@@ -100,6 +100,12 @@ export class Place {
     return this.what === "go" ? { x_m, y_m } : { x_m, y_m, theta_rad: degrees / DEGREES };
   }
 
+  /** Without a connection, nothing can be set. */
+  silent() {
+    this.begin("");
+    for (const what of ["relocalize", "go"]) show(by(`map-${what}`), false);
+  }
+
   show(frame, mine, speed) {
     this.pose = frame.pose;
     const { armed } = frame.facts;
@@ -112,6 +118,7 @@ export class Place {
     }
     const { x_m, y_m } = this.wanted;
     put(by("relocalize-warning"), this.wrong || (!armed ? "" : this.what === "go" ? "The robot will move by itself. " : "The robot is armed and stays armed, at another place on the map. "));
-    put(by("relocalize-text"), this.what === "go" && Number.isFinite(x_m + y_m) ? `${TEXTS.go} ${trip(frame, [x_m, y_m], speed)}.` : TEXTS[this.what]);
+    put(by("relocalize-hint"), TEXTS[this.what]);
+    put(by("relocalize-text"), this.what === "go" && Number.isFinite(x_m + y_m) ? `${trip(frame, [x_m, y_m], speed)}.` : "");
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The record button: the dashboard records, so it continues when this page is closed.
-import { by, figure, put, show } from "./text.js";
+import { by, figure, put, show, typesIn } from "./text.js";
 
 const FORMS = ["csv", "mcap", "pcapng"];
 
@@ -9,13 +9,21 @@ export class Recording {
     this.on = false;
     by("record").addEventListener("click", () => send({ type: this.on ? "record_end" : "record" }));
     addEventListener("keydown", (event) => {
-      if (event.code === "KeyR" && !event.repeat && !event.ctrlKey && !event.metaKey && !event.altKey && !event.target.matches?.("input:not([type=checkbox]), select") && !this.on) send({ type: "record" });
+      if (event.code === "KeyR" && !event.repeat && !event.ctrlKey && !event.metaKey && !event.altKey && !typesIn(event.target) && !this.on) send({ type: "record" });
     });
   }
 
   begin({ name, captured }) {
     for (const form of FORMS) by(`record-${form}`).href = `/recording.${form}?robot=${encodeURIComponent(name)}`;
     show(by("record-pcapng"), captured);
+  }
+
+  /** The dashboard may have ended, and its recording with it. */
+  silent(on) {
+    by("record").disabled = on;
+    if (!on) return;
+    show(by("recording"), false);
+    put(by("record-text"), "not known");
   }
 
   show(recording) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // All states of the robot, most urgent first. Whatever is said of motion is computed from the speeds that
 // were measured for this frame; what is past is no state, only a reason for the present one.
-import { figure } from "./text.js";
+import { figure, trip } from "./text.js";
 
 const end = (text) => (text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".") : "");
 
@@ -14,6 +14,7 @@ export function motion({ speeds, facts }) {
 
 const ready = (s) => s.state === "ready";
 const bumpers = ({ facts }) => [facts.front_bumper && "FRONT", facts.rear_bumper && "REAR"].filter(Boolean).join(" AND ");
+const brakes = ({ speeds }) => speeds?.[0] === 0 && speeds[2] === 0;
 const critical = (s) => s.battery?.state === "critical";
 
 // Level, title, whether it holds, what is the matter, what to do. `s` is the frame, with what the page knows.
@@ -30,28 +31,28 @@ const STATES = [
   ["weak", "POSE WRONG", ({ facts }) => facts.pose_error, () => "The localization reports an error: the map is not to be trusted.", () => "drive by sight; set the pose with “place”"],
   ["weak", "BATTERY LOW", (s) => s.facts.battery_low && !critical(s), () => "The battery is below the robot’s minimum.", () => "bring the robot to its charger; charger and platform off before plugging it in"],
   ["weak", "LINK WEAK", (s) => s.link.level === "weak", (s) => end(s.link.say), (s) => s.link.attempt],
-  ["weak", "STOPPED", (s) => s.mine && s.facts.armed && s.why, (s) => end(s.why), () => "let go of everything, then drive"],
-  ["go", "DRIVING", ({ facts }) => facts.armed && facts.driving, (s) => (s.going ? "By itself, to the place on the map." : s.mine ? "Letting go stops the robot." : "By another page.")],
-  ["armed", "ARMED", ({ facts }) => facts.armed, (s) => (s.mine ? "Letting go stops the robot." : "The robot accepts speeds from another page.")],
-  ["weak", "MOVING", ({ facts }) => facts.at_rest === false && !facts.armed && !facts.overridden && !facts.other_commander && !facts.stop_unconfirmed, (s) => `Nothing is commanded from here. ${motion(s)}`, () => "look who moves it; keep away from it"],
-  ["calm", "DISARMED", () => true, (s) => end(s.mine ? s.why || s.facts.blocked : "") || (s.offered ? "The robot accepts no speed from here." : "This page only watches.")],
+  ["weak", "LET GO", (s) => s.mine && s.facts.armed && s.why && s.must_let_go, (s) => `${end(s.why)} ${motion(s)}`, () => "let go of everything, then drive"],
+  ["go", "DRIVING", ({ facts }) => facts.armed && facts.driving, (s) => (s.going ? `By itself: ${trip(s, s.going, s.going_m_s)}.` : s.mine ? "Letting go stops the robot." : "By another page.")],
+  ["armed", "ARMED", ({ facts }) => facts.armed, (s) => (s.mine ? end(s.why) || "Letting go stops the robot." : "The robot accepts speeds from another page.")],
+  ["weak", "MOVING", ({ facts }) => facts.at_rest === false && !facts.armed && !facts.overridden && !facts.other_commander && !facts.stop_unconfirmed, (s) => `${brakes(s) ? "Its target is zero: it brakes, or something pushes it." : "Nothing is commanded from here."} ${motion(s)}`, (s) => (brakes(s) ? "wait until it stands" : "look who moves it; keep away from it")],
+  ["calm", "DISARMED", () => true, (s) => end(s.mine ? s.facts.blocked || s.why : "") || (s.offered ? "The robot accepts no speed from here." : "This page only watches.")],
 ];
 
-/** All states that hold, most urgent first: level, title, text. */
+/** All states that hold, most urgent first: level, title, what is the matter, what to try. */
 export function statesOf(s) {
   const found = [];
   for (const [level, title, on, text, remedy] of STATES) {
     if (!on(s)) continue;
     const attempt = remedy?.(s);
-    found.push([level, typeof title === "string" ? title : title(s), text(s) + (attempt ? ` Try: ${attempt}.` : "")]);
+    found.push([level, typeof title === "string" ? title : title(s), text(s), attempt ? `Try: ${attempt}.` : ""]);
     if (!ready(s)) break; // of a robot that is silent, nothing else is known
   }
   return found;
 }
 
 export const silence = (why, stopping) => {
-  const [title, text, next] = stopping
-    ? ["STOP NOT CONFIRMED", "There is no connection to the dashboard: press the robot’s emergency stop.", "This page sends STOP again when it is connected."]
-    : ["NO CONNECTION TO THE DASHBOARD", "What you see is old.", "Try: look whether roburoc4 dashboard runs, and the network. This page connects again by itself."];
-  return [["bad", title, `${text} ${why ? `The dashboard says: ${end(why)}` : next}`]];
+  const says = why && `The dashboard says: ${end(why)}`;
+  return [stopping
+    ? ["bad", "STOP NOT CONFIRMED", `There is no connection to the dashboard. ${says || "This page sends STOP again when it is connected."}`, "Try: press the robot’s emergency stop."]
+    : ["bad", "NO CONNECTION TO THE DASHBOARD", "What you see is old. This page connects again by itself.", says || "Try: look whether roburoc4 dashboard runs, and the network."]];
 };

@@ -17,6 +17,9 @@ export function trip({ pose }, [x, y], speed) {
   return `${figure(away, 1, "m")}, ${figure(Math.ceil(away / speed), 0, "s")} or more at ${figure(speed, 2, "m/s")}`;
 }
 
+/** Whether letters that are pressed there are typed into a field. */
+export const typesIn = (node) => node.matches?.("input:not([type=range], [type=checkbox]), select, textarea") ?? false;
+
 /** Set a text if it differs, so that the browser does not lay out the page again. */
 export function put(node, text) {
   if (node.textContent !== text) node.textContent = text;
