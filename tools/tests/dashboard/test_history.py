@@ -34,8 +34,11 @@ def test_the_battery_s_trend_is_the_slope_of_the_last_minutes(percent_h: float) 
 
 def test_where_no_battery_was_received_is_a_gap_and_no_trend() -> None:
     history = discharged(-12.0, 100)
-    history.add_battery(1e9 + 100 * BATTERY_EVERY_S, math.nan, math.nan)
-    assert history.battery.columns()[1][-1] is None
+    lost_s = 1e9 + 99 * BATTERY_EVERY_S + 1.0
+    for after in range(3600):
+        history.add_battery(lost_s + after, math.nan, math.nan)
+    assert [column[-1] for column in history.battery.columns()] == [lost_s, None, None]
+    assert len(history.battery) == 101
     assert history.trend_percent_h() == pytest.approx(-12.0, abs=0.1)
 
 

@@ -239,8 +239,8 @@ WITHIN = """() => {
     return [
         ...[...document.querySelectorAll(".top :is(h1, .tag, .mode, .chip), .speed *")].filter(seen)
             .filter((node) => !inside(node.getBoundingClientRect(), screen)),
-        ...[...document.querySelectorAll(".drive button, .mode, .tag, .banner strong")].filter(seen)
-            .filter((node) => !inside(text(node), node.closest("button, .top, .banner")
+        ...[...document.querySelectorAll(".drive button, #stop, .mode, .tag, .banner strong")]
+            .filter(seen).filter((node) => !inside(text(node), node.closest("button, .top, .banner")
                 .getBoundingClientRect())),
         ...[...document.querySelectorAll(".top > *, .top :is(.tag, .mode, .chip)")].filter(seen)
             .filter((node) => !inside(node.getBoundingClientRect(),
@@ -256,7 +256,7 @@ WITHIN = """() => {
 def test_nothing_that_tells_is_cut_off_in_any_size(
     touch: bool, station: Make, visit: Visit
 ) -> None:
-    here = station(panel=True)
+    here = station(robots=("RED", "BLUE"))
     page = visit(here.url, init=SHOWS, has_touch=touch, is_mobile=touch)
     ready(page)
     take_control(page)

@@ -351,6 +351,18 @@ def test_a_plot_has_a_gap_where_nothing_was_received(station: Make, visit: Visit
         }"""
     )
     assert old == [None]
+    kept = page.evaluate(
+        """async () => {
+            const { Plots } = await import("/static/plots.js");
+            const plots = new Plots();
+            const times = [100, 105, 110, 115, 120, 125];
+            const speeds = [times, ...[1, 2, 3, 4].map((speed) => times.map(() => speed))];
+            plots.begin(speeds, [[101, 111, 121], [99, null, 98], [24, null, 23]]);
+            return plots.times.map((time, row) => [time, plots.column("battery")[row]])
+                .filter(([, value]) => value !== undefined);
+        }"""
+    )
+    assert kept == [[101, 99], [111, None], [115, None], [120, None], [121, 98]]
 
 
 def test_a_page_that_opens_later_has_the_same_gaps(station: Make) -> None:

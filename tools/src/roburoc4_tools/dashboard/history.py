@@ -86,6 +86,7 @@ class History:
         self._latest_s = -math.inf
         self._speed_due_s = -math.inf
         self._battery_due_s = -math.inf
+        self._battery_gap = False
         self._place = (math.inf, math.inf, math.inf)
         self._place_s = -math.inf
 
@@ -106,9 +107,11 @@ class History:
             self.speeds.append((time_s, *speeds))
 
     def add_battery(self, time_s: float, percent: float, volts: float) -> None:
-        """Store the battery's values periodically."""
+        """Store the battery's values periodically; a percentage of NaN is one row, a gap."""
         self._look_at_clock(time_s)
-        if time_s >= self._battery_due_s:
+        before, self._battery_gap = self._battery_gap, math.isnan(percent)
+        due = time_s >= self._battery_due_s and not self._battery_gap
+        if due or before != self._battery_gap:
             self._battery_due_s = time_s + BATTERY_EVERY_S
             self.battery.append((time_s, percent, volts))
 

@@ -101,6 +101,11 @@ export class Plots {
     this.times = [];
     this.values.clear();
     for (const [time, row] of rows.toSorted((a, b) => a[0] - b[0])) this.push(time, row);
+    // Between two rows of the battery it is not measured: a gap lasts until the next value.
+    for (const id of ["battery", "voltage"]) {
+      const column = this.column(id);
+      for (let row = 1; row < this.times.length; row++) if (column[row] === undefined && column[row - 1] === null) column[row] = null;
+    }
     this.redraw();
   }
 
@@ -209,7 +214,7 @@ export class Plots {
   }
 
   get width() {
-    return Math.max(by("plots").clientWidth, 200);
+    return Math.max(by("plots").clientWidth, 150);
   }
 
   resize() {
