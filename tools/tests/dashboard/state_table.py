@@ -66,8 +66,8 @@ UNCOMMANDED = {
     }
 }
 STATES: list[tuple[str, Frame]] = [
-    ("ROBOT LOST", {"state": "lost", "link": LOST}),
     ("STOP NOT CONFIRMED", merged(MOVES, UNCONFIRMED)),
+    ("ROBOT LOST", {"state": "lost", "link": LOST}),
     ("ANOTHER COMMANDER", {"facts": {"other_commander": True}}),
     ("FRONT BUMPER", {"facts": {"front_bumper": True}}),
     ("OVERRIDE", {"facts": {"overridden": True}}),

@@ -614,8 +614,12 @@ def test_a_lost_robot_is_shown_and_comes_back_disarmed(station: Make, visit: Vis
     here, page = armed(station, visit)
     drive(here, page)
     here.sim.set("power", False)
-    expect(page.locator("#banner-title")).to_have_text("ROBOT LOST")
+    expect(page.locator("#banner")).to_contain_text("ROBOT LOST")
     expect(page.locator("#quality-say")).to_have_text("Lost")
+    page.locator("#stop").click()  # whose zeros nobody confirms
+    expect(page.locator("#banner-title")).to_have_text("STOP NOT CONFIRMED")
+    expect(page.locator("#banner-text")).to_contain_text("press the robot\u2019s emergency stop")
+    expect(page.locator("#banner-more")).to_have_text("ROBOT LOST")
     here.sim.set("power", True)
     ready(page)
     expect(page.locator("#banner-title")).to_have_text("DISARMED")

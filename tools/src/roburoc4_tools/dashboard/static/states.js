@@ -12,15 +12,15 @@ export function motion({ speeds, facts }) {
   return `The robot moves: ${figure(speeds[1], 2, "m/s")}, ${figure(speeds[3], 2, "rad/s")}.`;
 }
 
-const ready = (s) => s.state === "ready";
+const lost = (s) => s.state !== "ready";
 const bumpers = ({ facts }) => [facts.front_bumper && "FRONT", facts.rear_bumper && "REAR"].filter(Boolean).join(" AND ");
 const brakes = ({ speeds }) => speeds?.[0] === 0 && speeds[2] === 0;
 const critical = (s) => s.battery?.state === "critical";
 
 // Level, title, whether it holds, what is the matter, what to do. `s` is the frame, with what the page knows.
 const STATES = [
-  ["bad", (s) => (s.everReady || s.state === "lost" ? "ROBOT LOST" : "NO ROBOT YET"), (s) => !ready(s), (s) => end(s.link.say), (s) => s.link.attempt],
   ["bad", "STOP NOT CONFIRMED", ({ facts }) => facts.stop_unconfirmed && !facts.armed && !facts.overridden && facts.at_rest !== true, (s) => `The robot was sent zeros, and did not confirm them. ${motion(s)}`, () => "press the robot’s emergency stop"],
+  ["bad", (s) => (s.everReady || s.state === "lost" ? "ROBOT LOST" : "NO ROBOT YET"), lost, (s) => end(s.link.say), (s) => s.link.attempt],
   ["bad", "ANOTHER COMMANDER", ({ facts }) => facts.other_commander, (s) => `Another program commands the robot. ${motion(s)}`, () => "end that program; STOP here cannot stop it, the robot’s emergency stop can"],
   ["bad", (s) => `${bumpers(s)} BUMPER`, bumpers, () => "The robot touches something there.", () => "look what it is, then drive away from it"],
   ["bad", "OVERRIDE", ({ facts }) => facts.overridden, (s) => `Somebody holds [A] on the robot’s game pad: commands from here are ignored. ${motion(s)}`, () => "release [A] to drive from here"],
@@ -45,7 +45,7 @@ export function statesOf(s) {
     if (!on(s)) continue;
     const attempt = remedy?.(s);
     found.push([level, typeof title === "string" ? title : title(s), text(s), attempt ? `Try: ${attempt}.` : ""]);
-    if (!ready(s)) break; // of a robot that is silent, nothing else is known
+    if (on === lost) break; // of a robot that is silent, nothing else is known
   }
   return found;
 }
