@@ -446,7 +446,7 @@ def test_an_alarm_sounds_and_vibrates_for_whoever_wants_it(station: Make, visit:
 
 def test_an_alarm_sounds_on_a_page_that_was_loaded_again(station: Make, visit: Visit) -> None:
     here = station()
-    page = visit(here.url)
+    page = visit(here.url, forgive="Blocked call to navigator.vibrate")
     ready(page)
     open_tab(page, "link")
     page.get_by_role("button", name="alarm sound").click()

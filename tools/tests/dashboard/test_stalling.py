@@ -204,6 +204,17 @@ def test_nonsense_of_a_page_that_is_gone_raises_nothing(station: Make) -> None:
     assert page not in here.hub.pages
 
 
+def test_a_page_whose_end_was_found_while_sending_raises_nothing(station: Make) -> None:
+    class Ended(Gone):
+        async def receive_text(self) -> str:
+            raise RuntimeError("WebSocket is not connected")
+
+    here = station()
+    messages = Messages(Fleet([here.hub]), here.hub, here.hub.join())
+    with pytest.raises(StopIteration):
+        _hear(messages, Ended()).send(None)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("goal", [{"x_m": 2000.0}, {"clearance_m": -1.0}, {"y_m": -1001.0}])
 def test_a_place_that_cannot_be_costs_neither_connection_nor_control(
     goal: dict[str, float], station: Make

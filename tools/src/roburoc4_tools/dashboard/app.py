@@ -118,9 +118,11 @@ async def _serve(fleet: Fleet, hub: Hub, websocket: WebSocket) -> None:
 async def _hear(messages: Messages, websocket: WebSocket) -> None:
     try:
         while True:
-            messages.receive(await websocket.receive_text())
-    except WebSocketDisconnect:
-        return
+            try:
+                text = await websocket.receive_text()
+            except (WebSocketDisconnect, RuntimeError):  # found out here, or while sending
+                return
+            messages.receive(text)
     except BadMessageError as error:
         reason = str(error)
     except KeyError:  # bytes instead of text
