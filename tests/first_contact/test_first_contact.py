@@ -310,6 +310,21 @@ class FirstContact(unittest.TestCase):
         row = bundle.row(contact.session.known, "the simulator's defaults (simulated)")
         assert row in page.read_text(encoding="utf-8").splitlines()
 
+    def test_wheels_that_turn_the_wrong_way_are_not_driven(self) -> None:
+        for direction in ("forward", "backward", "left", "right"):
+            with self.subTest(direction=direction):
+                contact = self.contact(DRIVEN)
+                world = contact.session.world
+                ask = world.ask
+                world.ask = lambda key, text, ask=ask, wrong=direction: (
+                    "no" if key == wrong else ask(key, text)
+                )
+                names = [step.name for step in contact.steps()]
+                assert names[-1] == "stops"
+                assert contact.refused is not None
+                assert contact.refused.reason == "wrong_way"
+                assert commands(contact.session)[-1][1] == (0.0, 0.0)
+
     def test_a_network_that_loses_datagrams_is_reported_and_another_sender_refused(self) -> None:
         contact = self.contact(DRIVEN)
         world = contact.session.world

@@ -34,7 +34,11 @@ STEPS = (
     Step("sticks", "", watch.sticks),
     Step("telemeters", "", watch.telemeters),
     Step("may be driven", "", wheels.may_be_driven),
-    Step("stops", _WHEELS.format("forward, at up to 0.1 m/s, for 6 s"), wheels.stops),
+    Step(
+        "stops",
+        _WHEELS.format("forward, backward, to the left and to the right, at up to 0.1 m/s"),
+        wheels.stops,
+    ),
     Step("responses", _WHEELS.format("forward, then in place, at up to 0.4 m/s"), wheels.responses),
     Step("reports", _WHEELS.format("with changing speeds for 40 s"), wheels.reports),
     Step("watchdog", _WHEELS.format("until the robot stops them by itself"), wheels.watchdog),

@@ -54,31 +54,53 @@ def lift(s: Session) -> None:
     s.please("motors_on", "Press the green button.")
 
 
+_DIRECTIONS = (
+    ("forward", 0, 1, "m/s", "Did the wheels turn forward?"),
+    ("backward", 0, -1, "m/s", "Did the wheels turn backward?"),
+    ("left", 1, 1, "rad/s", "Did the left wheels turn backward, and the right ones forward?"),
+    ("right", 1, -1, "rad/s", "Did the left wheels turn forward, and the right ones backward?"),
+)
+
+
 def stops(s: Session) -> None:
-    """Try every stop before it is needed, then the slowest speed."""
+    """Try every stop before it is needed, then the slowest speed in each direction."""
     lift(s)
+    _stop_or_refuse(s)
+    for name, axis, sign, unit, question in _DIRECTIONS:
+        s.hold()
+        slowest = _slowest(s, axis, sign)
+        _stop_or_refuse(s)
+        if not slowest:
+            raise UnsafeError(
+                "does_not_move", "The wheels do not turn: brakes selector, motor power?"
+            )
+        if s.ask(name, f"{question} yes or no").lower() not in ("yes", "y"):
+            raise UnsafeError(
+                "wrong_way", "The wheels turn the wrong way: do not drive this robot."
+            )
+        s.notes[f"slowest speed that moved {name}, {unit}"] = slowest
+
+
+def _stop_or_refuse(s: Session) -> None:
     if not s.stop():
         raise UnsafeError(
             "does_not_stop", "The wheels turn although zeros are sent: cut the power."
         )
-    slowest = 0.0
-    s.hold()
+
+
+def _slowest(s: Session, axis: int, sign: int) -> float:
+    """Return the slowest of some speeds at which the wheels turn; 0: at none of them."""
     for speed in (0.02, 0.05, 0.1):
         since_s = s.world.now_s
-        s.run(2.0, (speed, 0.0))
-        if abs(s.sampled(since_s, None)[-1].speed[0]) > speed / 3:
-            slowest = speed
-            break
-    answer = s.ask("forward", "Did the wheels turn forward? yes or no")
-    if not s.stop():
-        raise UnsafeError(
-            "does_not_stop", "The wheels turn although zeros are sent: cut the power."
-        )
-    if not slowest:
-        raise UnsafeError("does_not_move", "The wheels do not turn: brakes selector, motor power?")
-    if answer != "yes":
-        raise UnsafeError("wrong_way", "The wheels turn the wrong way: do not drive this robot.")
-    s.notes["slowest speed that moved, m/s"] = slowest
+        s.run(2.0, _both(axis, sign * speed))
+        last = [x.speed[axis] for x in s.sampled(since_s, None)[-20:]]
+        moved = sign * sum(last) / len(last)
+        if moved < -speed / 3:
+            s.stop()
+            raise UnsafeError("wrong_way", "The robot reports that the wheels turn the wrong way.")
+        if moved > speed / 3:
+            return speed
+    return 0.0
 
 
 def _settle(s: Session, command: tuple[float, float], most_s: float = 10.0) -> None:
