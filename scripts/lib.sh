@@ -264,7 +264,8 @@ compile() {
     if [ $# -gt 0 ]; then
         set -- --target "$@"
     fi
-    cmake --build "$tree" --config RelWithDebInfo --parallel "$(jobs)" "$@"
+    # What runs in real time beside it comes first.
+    nice cmake --build "$tree" --config RelWithDebInfo --parallel "$(jobs)" "$@"
 }
 
 # logged LOG COMMAND...: run it with its output in LOG; its exit status is $logged_status.
@@ -281,15 +282,37 @@ logged() {
     set -e
 }
 
+# begin_beside SCRIPT: run it beside the stages that follow; its lines appear among theirs.
+# end_beside: wait for it, and fail if it failed.
+begin_beside() {
+    beside_script=$1
+    # In a session of its own, so that all of it can be ended.
+    ROBUROC4_BESIDE=yes env --default-signal setsid "$1" </dev/null &
+    beside_pid=$!
+    trap 'kill -- "-$beside_pid" 2>/dev/null || :' EXIT
+    trap 'exit 130' INT
+    trap 'exit 143' TERM HUP
+}
+
+end_beside() {
+    wait "$beside_pid" || fail "$beside_script failed: see above"
+    trap - EXIT INT TERM HUP
+}
+
+# Whether the line of progress is ours: not that of a script beside another one.
+on_terminal() {
+    [ -t 1 ] && [ -z "${ROBUROC4_BESIDE:-}" ]
+}
+
 # progress NAME LOG: print how far a stage is: each second on a terminal, otherwise each minute.
 progress() {
     progress_s=0
     while sleep 1 >/dev/null 2>&1 && kill -0 $$ 2>/dev/null; do
         progress_s=$((progress_s + 1))
-        [ -t 1 ] || [ $((progress_s % 60)) -eq 0 ] || continue
+        on_terminal || [ $((progress_s % 60)) -eq 0 ] || continue
         progress_step=$(tail -c 2000 "$2" 2>/dev/null | tr '\r' '\n' |
             grep -oE '[0-9]+/[0-9]+|[0-9]+%' | tail -n 1)
-        if [ -t 1 ]; then
+        if on_terminal; then
             printf '       %-18s %4d s  %-12s\r' "$1" "$progress_s" "$progress_step"
         else
             printf '       %-18s %4d s  %s\n' "$1" "$progress_s" "$progress_step"
