@@ -120,6 +120,26 @@ TEST_F(StopBelief, IsSentAgainHoweverLateStatusesShowThatOurSpeedCameBack) {
     EXPECT_EQ(0.0F, robot.target_linear);
 }
 
+TEST_F(StopBelief, IsNotSentAgainByStatusesOfMoreThanTwoSeconds) {
+    roburoc4_config config = default_config();
+    config.lost_ms = 60000;
+    ResumingRobot fresh;
+    robot = fresh;
+    Bench patient(robot, config);
+    patient.armed();
+    ASSERT_NO_FATAL_FAILURE(patient.driving(1, 0, second));
+    patient.pause();
+    patient.run(300 * ms);
+    ASSERT_EQ(ROBUROC4_STOP_CONFIRMED, patient.facts().stop_outcome);
+    patient.delay_to_client = [] { return 3 * second; };
+    const std::uint64_t late_us = patient.now_us;
+    robot.target_linear = 1;
+    patient.run(4 * second);
+    EXPECT_GT(patient.facts().age_us[ROBUROC4_SERVICE_DIFFERENTIAL], 3 * second);
+    EXPECT_LT(patient.facts().age_us[ROBUROC4_SERVICE_DIFFERENTIAL], 4 * second) << "they come";
+    EXPECT_TRUE(patient.commands(late_us).empty());
+}
+
 TEST_F(StopBelief, IsRepeatedForAsLongAsOurSpeedIsReported) {
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
@@ -394,6 +414,22 @@ TEST(Uplink, ThatIsDeadDisarmsWithinHalfASecond) {
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
     bench.drop_to_robot = [](const Bytes &) { return true; };
     EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0.5F, 0, 550 * ms));
+}
+
+TEST(Uplink, OfALeaseThatEndedSaysNothingOfTheNext) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    for (int lease = 0; lease < 2; lease++) {
+        robot.follows = false; /* its target appears late, or no more */
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 150 * ms)) << lease;
+        robot.follows = true;
+        if (lease == 0) {
+            bench.pause();
+            bench.run(second);
+        }
+    }
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
 }
 
 TEST(Uplink, ThatLosesAFifthDisarmsNobody) {

@@ -63,6 +63,16 @@ void check_range(const char *name, Member<float> member, float low, float high) 
 
 } // namespace
 
+TEST(Config, APeriodOfAThirdOfFreshIsTheLongest) {
+    roburoc4_config config = default_config();
+    config.fresh_ms = 300;
+    config.period_ms[ROBUROC4_SERVICE_IOCARD] = config.period_ms[ROBUROC4_SERVICE_DIFFERENTIAL] =
+        100;
+    EXPECT_EQ(nullptr, roburoc4_config_error(&config));
+    config.fresh_ms = 299;
+    EXPECT_NE(nullptr, roburoc4_config_error(&config));
+}
+
 TEST(Config, Defaults) {
     roburoc4_config c;
     memset(&c, 0xEE, sizeof c);

@@ -371,6 +371,24 @@ TEST(Relocalize, ThatIsAnsweredAtOnceHoldsInMotionToo) {
     EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_REPLACE).size());
 }
 
+TEST(Relocalize, AnAnswerToThePoseBeforeIsNoneToTheNext) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.replace_silent = true;
+    ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+    bench.pump();
+    ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 4, 5, 6));
+    bench.pump();
+    const auto sent = robot.seen(ROBUROC4_ACTION_REPLACE);
+    ASSERT_EQ(2U, sent.size()) << "each at once";
+    EXPECT_EQ(4, sent[1].what.x_m);
+    EXPECT_EQ(ROBUROC4_ERR_UNMATCHED,
+              bench.receive(
+                  plain_answer(sent[0].what.id, ROBUROC4_ACTION_REPLACE, sent[0].what.service, 0)));
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+}
+
 TEST(Relocalize, IsAnsweredWithAnEvent) {
     ScriptedRobot robot;
     Bench bench(robot);

@@ -522,6 +522,17 @@ TEST(Role, IsFoundByText) {
 }
 
 /* Outputs and inputs of the other type have the same texts. */
+TEST(Inputs, BitsOfNoInputAreLeftOut) {
+    ScriptedRobot robot; /* its 22 inputs have 24 bits */
+    robot.digital = UINT64_MAX & ~(std::uint64_t{1} << ROBUROC4_DI_PAD_A);
+    Bench bench(robot);
+    bench.ready();
+    roburoc4_inputs inputs{};
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_inputs(&bench.client, &inputs, nullptr));
+    EXPECT_EQ(22U, inputs.digital_count);
+    EXPECT_EQ(robot.digital & 0x3FFFFFU, inputs.digital);
+}
+
 TEST(Role, IsFoundByTextOfAnInputOfItsTypeOnly) {
     const std::array<std::string, ROBUROC4_ROLE_COUNT> texts{"Game pad A button", "Front bumper",
                                                              "Rear bumper", "Battery voltage"};

@@ -165,6 +165,24 @@ TEST(Lease, CommandsAreNeverWithinACycleWhateverTheTargets) {
         EXPECT_GE(commands[i].at_us - commands[i - 1].at_us, 10 * ms);
 }
 
+TEST(Lease, ThatIsRenewedForAShorterTimeEndsAfterThat) {
+    roburoc4_config config = default_config();
+    config.drive_period_ms = 500; /* nothing else is due earlier */
+    config.lease_ms = 1000;
+    ScriptedRobot robot;
+    Bench bench(robot, config);
+    bench.armed();
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 1000 * ms));
+    bench.run(15 * ms);
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 20 * ms));
+    const std::uint64_t renewed_us = bench.now_us;
+    bench.run(100 * ms);
+    const auto commands = bench.commands(renewed_us);
+    ASSERT_FALSE(commands.empty());
+    EXPECT_TRUE(commands.back().zero());
+    EXPECT_EQ(renewed_us + 20 * ms, commands.back().at_us);
+}
+
 TEST(Lease, HasNoSpeedAfterItForAnyPollSchedule) {
     for (std::uint64_t period_us = 1 * ms; period_us < 700 * ms; period_us += 13777) {
         for (const std::uint32_t lease_us : {20000U, 250000U, 1000000U}) {
@@ -301,6 +319,21 @@ TEST(Clock, StepBackLosesNoRobotButTrustsNoEarlierStatus) {
         << "the robot's time on the new clock";
     bench.run(10 * second);
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
+}
+
+TEST(Clock, StepBackForgetsTheAnswerBeforeIt) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    bench.drop_to_client = [](const Bytes &bytes) { return bytes[0] == ROBUROC4_HEADER_STATUS; };
+    ASSERT_TRUE(bench.run_until([&] { return bench.client.private_link.answered != 0; }));
+    bench.drop_to_client = [](const Bytes &bytes) { return bytes[0] != ROBUROC4_HEADER_STATUS; };
+    bench.skew_us -= 500000;
+    bench.run(300 * ms);
+    EXPECT_EQ(ROBUROC4_ERR_STALE_DIFFERENTIAL, bench.arm())
+        << "no answer says how old these statuses are";
+    bench.drop_to_client = nullptr;
+    EXPECT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }, 5 * second));
 }
 
 TEST(Clock, StepBackWhileConnectingKeepsRequesting) {

@@ -208,6 +208,24 @@ TEST(StopSequence, IsNotEndedByAStatusBeforeItsThirdZero) {
     EXPECT_GE(expect_train(bench, start_us + 1, 50 * ms) + 1, 3U);
 }
 
+TEST(StopSequence, IsNotEndedByTheConfirmationOfTheOneBefore) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    bench.pause();
+    bench.run(second);
+    expect_outcome(bench, ROBUROC4_STOP_CONFIRMED);
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    robot.follows = false; /* its target stays */
+    const std::uint64_t start_us = bench.now_us;
+    bench.pause();
+    bench.take_events();
+    ASSERT_TRUE(bench.run_until([&] { return bench.facts().stopping == 0; }));
+    EXPECT_EQ(start_us + second, bench.now_us) << "the robot's watchdog";
+    expect_outcome(bench, ROBUROC4_STOP_TIMED_OUT);
+}
+
 TEST(StopSequence, EndsWhenTheRobotsWatchdogHasTripped) {
     for (const std::uint32_t watchdog_ms : {100U, 1023U, 3000U, 1000U}) {
         roburoc4_config config = default_config();

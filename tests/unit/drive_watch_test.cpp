@@ -139,6 +139,20 @@ TEST(OtherCommander, IsNotARobotThatDropsItsTargetsItself) {
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER);
 }
 
+TEST(OtherCommander, IsNotOurTargetFromBeforeThatTheRobotStillHas) {
+    roburoc4_config config = default_config();
+    config.robot_watchdog_ms = 100; /* what was sent earlier than this is forgotten */
+    ScriptedRobot robot;
+    Bench bench(robot, config);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+    robot.follows = false;
+    ASSERT_NO_FATAL_FAILURE(bench.driving(-0.3F, 0, 350 * ms));
+    robot.follows = true;
+    ASSERT_NO_FATAL_FAILURE(bench.driving(-0.3F, 0, 500 * ms));
+    EXPECT_EQ(0, bench.facts().other_commander);
+}
+
 TEST(OtherCommander, CanBeIgnored) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER;

@@ -126,6 +126,32 @@ std::vector<Copy> copies_of(int answer) {
 
 } // namespace
 
+TEST(FixedId, ACopyDoesNotShortenTheWaitAfterASlowAnswer) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    Bench bench(robot);
+    bench.ready();
+    bench.run(60 * second);
+    ASSERT_EQ(1, bench.facts().fixed_id);
+    bool asked = false;
+    robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &) {
+        const bool held = r.action == ROBUROC4_ACTION_GET && r.service == 3;
+        asked = asked || held;
+        return held;
+    };
+    ASSERT_TRUE(bench.run_until([&] { return asked; }));
+    bench.run(1200 * ms); /* it is requested again meanwhile */
+    const Bytes refused =
+        plain_answer(ROBUROC4_HEADER_MANUAL, ROBUROC4_ACTION_GET, 3, ROBUROC4_ERROR_UNSUPPORTED);
+    EXPECT_EQ(ROBUROC4_OK, bench.receive(refused));
+    const std::uint64_t answered_us = bench.now_us;
+    bench.run(50 * ms);
+    EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive(refused));
+    robot.requests.clear();
+    ASSERT_TRUE(bench.run_until([&] { return !robot.requests.empty(); }));
+    EXPECT_GE(bench.now_us, answered_us + 1200 * ms) << "as long as the answer took";
+}
+
 TEST(FixedId, OneDuplicatedAnswerNeverGivesAWrongOverride) {
     for (const Card &card : cards)
         for (const std::uint64_t round_trip_us : {2 * ms, 150 * ms})

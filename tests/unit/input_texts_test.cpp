@@ -43,6 +43,40 @@ TEST(OverrideText, ConsistsExactlyOfTheWordsForIt) {
         EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, role_with_text(ROBUROC4_ROLE_OVERRIDE, text)) << text;
 }
 
+TEST(OverrideText, IsFoundAmongAsManyInputsAsAreStored) {
+    for (const std::int32_t count : {63, 64, 65}) {
+        ScriptedRobot robot;
+        robot.iocard.digital_inputs = count;
+        robot.channel_text = [](std::uint32_t type, std::uint32_t index) -> std::string {
+            return type == ROBUROC4_IO_DIGITAL_INPUT && index == 62 ? "Game pad A" : "spare";
+        };
+        Bench bench(robot);
+        bench.ready();
+        EXPECT_EQ(count <= ROBUROC4_MAX_DIGITAL_INPUTS ? 62 : ROBUROC4_ERR_UNKNOWN,
+                  roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE))
+            << count;
+    }
+}
+
+TEST(OverrideText, RefusedOfTheCardBeforeSaysNothingOfTheNextOne) {
+    ScriptedRobot robot;
+    robot.texts_refused = true;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_DI_PAD_A, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
+    ASSERT_EQ(1, bench.facts().front_bumper_known);
+    robot.texts_refused = false;
+    robot.channel_text = [](std::uint32_t, std::uint32_t) { return std::string("spare"); };
+    robot.iocard.digital_inputs = ROBUROC4_DI_COUNT + 1; /* to which the manual's table fits, too */
+    bench.run(20 * second);
+    roburoc4_iocard_properties card{};
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_iocard_properties(&bench.client, &card));
+    ASSERT_EQ(ROBUROC4_DI_COUNT + 1, card.digital_inputs);
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
+              roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
+    EXPECT_EQ(0, bench.facts().front_bumper_known);
+}
+
 TEST(Bumper, WithSeveralInputsIsPressedIfAnyIs) {
     ScriptedRobot robot;
     robot.channel_text = [](std::uint32_t type, std::uint32_t index) -> std::string {

@@ -387,7 +387,10 @@ TEST_F(Move, IsNotEndedByThePassingOfTime) {
 TEST_F(Move, ARelocalizationEndsIt) {
     for (const double shift : {0.001, 0.1, 5.0}) {
         EXPECT_EQ(ROBUROC4_MOVE_RELOCALIZED, interrupted_by([&] {
-                      roburoc4_client_relocalize(&client, shift, -shift, shift, now());
+                      roburoc4_localization_status pose{};
+                      roburoc4_client_localization(&client, &pose, nullptr);
+                      roburoc4_client_relocalize(&client, pose.x_m + shift, pose.y_m - shift,
+                                                 pose.theta_rad + shift, now());
                   }))
             << shift;
         expect_stopped();
@@ -770,7 +773,9 @@ TEST_F(MoveView, EachCauseOfADisarmedClientHasItsResult) {
         {ROBUROC4_ERR_OVERRIDE_UNKNOWN, ROBUROC4_MOVE_OVERRIDE},
         {ROBUROC4_ERR_OTHER_COMMANDER, ROBUROC4_MOVE_OTHER_COMMANDER},
         {ROBUROC4_ERR_INHIBITED, ROBUROC4_MOVE_INHIBITED},
+        {ROBUROC4_ERR_LAPSED, ROBUROC4_MOVE_LAPSED},
         {ROBUROC4_ERR_DISARMED, ROBUROC4_MOVE_CANCELLED},
+        {ROBUROC4_ERR_STOPPED, ROBUROC4_MOVE_CANCELLED},
         {ROBUROC4_ERR_LOST, ROBUROC4_MOVE_LOST}};
     for (const auto &[cause, result] : rows) {
         ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
@@ -902,7 +907,59 @@ TEST_F(MoveView, HoweverFarItStraysItTurnsBackWithinTheLimit) {
     }
 }
 
+TEST_F(MoveView, ItReturnsToItsLineForwardAndBackward) {
+    for (const float way_m : {2.0F, -2.0F}) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, way_m, 0, nullptr));
+        view.y_m = 0;
+        for (int i = 0; i < 3; i++)
+            step();
+        view.y_m = 0.1; /* to the left, heading along the line */
+        step();
+        step();
+        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, move.result);
+        EXPECT_LT(way_m * move.angular_rad_s, -0.01F) << way_m;
+    }
+}
+
+TEST_F(MoveView, ATightArcSpeedsUpNoFasterThanItsTurnMay) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0.5F, 3, &options));
+    step();
+    for (int i = 1; i <= 3; i++) {
+        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        EXPECT_GT(move.linear_m_s, 0);
+        EXPECT_LE(move.linear_m_s,
+                  static_cast<float>(i) * 0.05F * options.angular_rad_s2 * 0.5F / 3 + 1e-6F);
+    }
+}
+
+TEST_F(MoveView, OneStatusAtRestIsNotRest) {
+    view.linear_m_s = 0.5F;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
+    for (int i = 0; i < 3; i++)
+        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    view.linear_m_s = 0;
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, step());
+}
+
 /* ------------------------------------------------------------------------- what a client knows */
+
+TEST(MoveOfAClient, TurnsByTheAngleAlsoWhereOnlyTurnsAreScaled) {
+    roburoc4_config config = roburoc4_tests::default_config();
+    config.scale_angular = 2; /* it counts two radians where it turns one */
+    roburoc4_tests::ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_LOCALIZATION).mute = true;
+    roburoc4_tests::Bench bench(robot, config);
+    bench.armed();
+    roburoc4_move move;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0, 1, nullptr));
+    while (roburoc4_move_step(&move, &bench.client, bench.now_us) == ROBUROC4_MOVE_RUNNING) {
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(move.linear_m_s, move.angular_rad_s));
+        bench.run(2 * cycle_us);
+    }
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result);
+    EXPECT_NEAR(1, move.angle_rad, 0.02);
+}
 
 TEST(MoveOfAClient, RestIsLostIfNothingIsHeardForASecond) {
     roburoc4_tests::ScriptedRobot robot;
@@ -945,9 +1002,10 @@ TEST(MoveOfAClient, UsesNoPoseThatIsInvalidOrNoNumber) {
 
 TEST(MoveOfAClient, WhatATelemeterSeesBesideOrBehindIsNoObstacle) {
     const std::tuple<float, float, std::int32_t> rows[] = {
-        {1.0F, 1.57F, ROBUROC4_MOVE_RUNNING}, {-1.0F, -1.57F, ROBUROC4_MOVE_RUNNING},
-        {1.0F, 3.14F, ROBUROC4_MOVE_RUNNING}, {-1.0F, 0, ROBUROC4_MOVE_RUNNING},
-        {1.0F, 0, ROBUROC4_MOVE_OBSTACLE},    {-1.0F, 3.14F, ROBUROC4_MOVE_OBSTACLE}};
+        {1.0F, 1.57F, ROBUROC4_MOVE_RUNNING},  {-1.0F, -1.57F, ROBUROC4_MOVE_RUNNING},
+        {1.0F, 3.14F, ROBUROC4_MOVE_RUNNING},  {-1.0F, 0, ROBUROC4_MOVE_RUNNING},
+        {1.0F, 0, ROBUROC4_MOVE_OBSTACLE},     {-1.0F, 3.14F, ROBUROC4_MOVE_OBSTACLE},
+        {1.0F, 6.28F, ROBUROC4_MOVE_OBSTACLE}, {-1.0F, 9.42F, ROBUROC4_MOVE_OBSTACLE}};
     for (const auto &[way_m, theta_rad, result] : rows) {
         roburoc4_tests::ScriptedRobot robot;
         robot.telemeters[0].theta_rad = theta_rad;
