@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <sys/wait.h>
 
@@ -332,6 +333,14 @@ TEST(Exit, WhileDrivingStopsTheRobot) {
 
 /* ------------------------------------------------------------------------- many at a time --- */
 
+int open_files() {
+    int count = 0;
+    for (int file = 0; file < 1024; file++) {
+        count += fcntl(file, F_GETFD) != -1;
+    }
+    return count;
+}
+
 TEST(Fork, LeavesTheChildWithoutAPumpAndTheParentWithIts) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
@@ -348,7 +357,9 @@ TEST(Fork, LeavesTheChildWithoutAPumpAndTheParentWithIts) {
         wrong += roburoc4_pump_close(p) != ROBUROC4_ERR_CLOSED;
         wrong += roburoc4_pump_wait_samples(p, &reader, UINT32_MAX) != ROBUROC4_ERR_CLOSED;
         wrong += roburoc4_pump_read_samples(p, &reader, &sample, 1) != ROBUROC4_ERR_CLOSED;
+        const int files = open_files();
         roburoc4_pump_destroy(p);
+        wrong += open_files() != files - 3; /* the socket, and both ends of the pipe that wakes */
         _exit(wrong);
     }
     int status = -1;
