@@ -65,6 +65,15 @@ TEST_F(Faults, AnUnreachableNetworkAtOpenIsAStateNotAnError) {
     EXPECT_EQ(sys.waited_on, roburoc4_udp_fd(&udp_));
 }
 
+TEST_F(Faults, CanBeOpenedAgainWithItsOwnAddress) {
+    open();
+    roburoc4_udp_close(&udp_);
+    ASSERT_EQ(roburoc4_udp_open(&udp_, sizeof udp_, &udp_.address), ROBUROC4_OK);
+    EXPECT_EQ(udp_.address.port, 60000);
+    live(1000000);
+    EXPECT_FALSE(sys.sent.empty());
+}
+
 TEST_F(Faults, ReconnectingIsLimitedToOnceASecond) {
     sys.connect_fault = ROBUROC4_FAULT_DOWN;
     open();
