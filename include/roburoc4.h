@@ -361,11 +361,12 @@ typedef struct roburoc4_facts {
     uint8_t missing; /* subscriptions without data: bits 1u << ROBUROC4_SERVICE_* of services that
                         the robot does not list, or whose subscription it refused */
     uint8_t reserved[2];
-    int32_t disarm_cause;      /* why the client is not armed; 0 while armed */
-    int32_t arm_refusal;       /* what roburoc4_client_arm() would return */
-    int32_t relocalize_result; /* of the last one: 0, ROBUROC4_ERR_TIMEOUT, _MOVING or _ROBOT;
-                                  _UNKNOWN before the first, and until it is answered */
-    uint32_t lease_left_us;    /* 0 when not driving */
+    int32_t disarm_cause;                      /* why the client is not armed; 0 while armed */
+    int32_t arm_refusal;                       /* what roburoc4_client_arm() would return */
+    int32_t relocalize_result;                 /* of the last one: 0, ROBUROC4_ERR_TIMEOUT, _MOVING,
+                                                  _STALE_DIFFERENTIAL or _ROBOT; _UNKNOWN before the first, and
+                                                  until it is answered */
+    uint32_t lease_left_us;                    /* 0 when not driving */
     float sent_linear_m_s, sent_angular_rad_s; /* the last speeds sent; 0 after a stop */
     uint32_t age_us[8]; /* by ROBUROC4_SERVICE_*: how old the last status can be at most, now;
                            UINT32_MAX if there is none, or it is from before the robot was found */
@@ -484,9 +485,10 @@ ROBUROC4_API roburoc4_result roburoc4_client_set_analog_output(roburoc4_client *
 
 /** Set the robot's pose (REPLACE, 4.2.6.5). The request is sent at once. While the robot is at rest
  *  by fresh statuses, it is repeated until it is answered, for at most 2 s. Once it has
- *  moved, the pose is an old one: the request is not repeated, and fails unless the first answer
- *  comes in time (relocalize_result: ROBUROC4_ERR_MOVING). Nor is it repeated after a time without
- *  fresh statuses. A later call replaces it. It ends with ROBUROC4_EVENT_RELOCALIZED or
+ *  moved, the pose is an old one: the request is not repeated, and fails (relocalize_result:
+ *  ROBUROC4_ERR_MOVING) unless the first is answered within 0.25 s; the robot may have taken it.
+ *  The same after a time without fresh statuses (ROBUROC4_ERR_STALE_DIFFERENTIAL, or _TIMEOUT
+ *  without an answer). A later call replaces it. It ends with ROBUROC4_EVENT_RELOCALIZED or
  *  _RELOCALIZE_FAILED. ROBUROC4_ERR_NOT_FINITE, _NOT_READY, _UNKNOWN
  * (no localization service). */
 ROBUROC4_API roburoc4_result roburoc4_client_relocalize(roburoc4_client *client, double x_m,
@@ -574,7 +576,8 @@ typedef struct roburoc4_private_link {
     uint32_t floor_age_us;
     uint64_t newest_cycles, floor_us, proven_us;
     int64_t offset_us, offset_before_us;
-    uint32_t offset_since_us, last_used_us, asked_us, heard_us, card_inserted_us, reserved;
+    uint32_t offset_since_us, last_used_us, asked_us, heard_us, card_inserted_us;
+    uint8_t contradicted, reserved[3];
     uint32_t round_trip_us, round_trip_min_us;
     uint32_t excess_us, excess_since_us, slack_us, contradicted_us;
     roburoc4_private_service services[5];
@@ -622,7 +625,7 @@ typedef struct roburoc4_private_subscriptions {
 
 typedef struct roburoc4_private_schedule {
     uint32_t phase_us, probe_us;
-    uint8_t probe_kind, reserved[3];
+    uint8_t probe_kind, text_first, reserved[2];
 } roburoc4_private_schedule;
 
 typedef struct roburoc4_private_conditions {

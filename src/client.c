@@ -25,6 +25,9 @@ LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1152);
 
 /* The longest wait before a request is repeated while the client is not ready. */
 #define PATIENCE_US (5 * SECOND)
+/* The same where only texts are left to request, one at a time, each of which may stay unanswered.
+ */
+#define TEXT_PATIENCE_US (15 * SECOND)
 /* Longer pauses between two calls are noted. */
 #define PAUSE_US (100 * MS)
 #define RELOCALIZE_US (2 * SECOND)
@@ -102,6 +105,10 @@ void roburoc4_lifecycle_lose(client *c) {
     count(c, ROBUROC4_COUNT_LOST);
     raise_event(c, ROBUROC4_EVENT_LOST);
     c->private_link.resubscribed = 1;
+    if (!expects_statuses(c)) { /* nothing will tell whether it is the same robot then */
+        roburoc4_lifecycle_forget_outputs(c);
+        roburoc4_discovery_clear(&c->private_discovery);
+    }
     roburoc4_lifecycle_connect(c, was_ready ? ROBUROC4_STATE_LOST : ROBUROC4_STATE_CONNECTING);
 }
 
@@ -131,6 +138,8 @@ static const uint16_t stamps[] = {
     AT(link.asked_us),
     AT(link.heard_us),
     AT(link.card_inserted_us),
+    AT(link.excess_since_us),
+    AT(link.contradicted_us),
     AT(requests.quiet_since_us),
     AT(requests.slots[0].sent_us),
     AT(requests.slots[1].sent_us),
@@ -265,6 +274,9 @@ static uint32_t patience_us(const client *c) {
     uint32_t shortest_us = SECOND;
     if (c->private_state != ROBUROC4_STATE_READY) {
         return PATIENCE_US;
+    }
+    if (in_fixed_id_mode(&c->private_requests) && !expects_statuses(c)) {
+        return TEXT_PATIENCE_US;
     }
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         const uint32_t period_us = c->private_config.period_ms[i + ROBUROC4_SERVICE_IOCARD] * MS;

@@ -169,8 +169,10 @@ bool roburoc4_link_heard(const roburoc4_private_link *l, uint32_t index);
 /** Judge a status of a service; a new one is counted in the statistics. */
 verdict roburoc4_link_status(roburoc4_private_link *l, roburoc4_private_service *s,
                              uint64_t robot_cycles, uint64_t now_us);
-/** The answer to a request sent at `sent_us` arrived now. */
-void roburoc4_link_round_trip(roburoc4_private_link *l, uint32_t sent_us, uint32_t now_us);
+/** The answer to a request sent at `sent_us` arrived now. Texts may take long on a robot whose
+ * other answers are prompt, so that they bound no age. */
+void roburoc4_link_round_trip(roburoc4_private_link *l, bool text, uint32_t sent_us,
+                              uint32_t now_us);
 /** Upper bound of the last status's age; UINT32_MAX is longer than that. */
 uint32_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint64_t now_us);
 /** Whether the last status is certainly younger than `limit_us`. */
@@ -355,6 +357,11 @@ static inline bool connected(const roburoc4_client *c) {
            c->private_state <= ROBUROC4_STATE_READY;
 }
 
+/** Whether the robot has a service that the client wants to be subscribed to. */
+static inline bool expects_statuses(const roburoc4_client *c) {
+    return (c->private_config.subscriptions & c->private_discovery.listed) != 0;
+}
+
 /** Until the next status of the right input, nothing is known of the override. */
 static inline void forget_override(roburoc4_client *c) {
     c->private_conditions.override_known = 0;
@@ -450,6 +457,8 @@ roburoc4_result roburoc4_conditions_refusal(const roburoc4_client *c, uint64_t n
 void roburoc4_schedule_failed(roburoc4_client *c, const slot *s, roburoc4_result why);
 /** Remember that the robot moved after a pose was given. */
 void roburoc4_schedule_watch_pose(roburoc4_client *c);
+/** The robot accepted the pose: does it still hold? */
+void roburoc4_schedule_pose_taken(roburoc4_client *c, const slot *s);
 /** Encode the next request that is due: its length, or 0. */
 roburoc4_result roburoc4_schedule_poll(roburoc4_client *c, uint8_t *buffer, size_t capacity);
 

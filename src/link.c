@@ -53,7 +53,7 @@ void roburoc4_link_forget_times(roburoc4_private_link *l, uint32_t now_us) {
     l->round_trip_us = 0;
     l->round_trip_min_us = 0;
     l->slack_us = 0;
-    l->contradicted_us = 0;
+    l->contradicted = 0;
 }
 
 void roburoc4_link_pause(roburoc4_private_link *l, uint64_t pause_us) {
@@ -212,10 +212,11 @@ static void map_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
 
 /** Whether answers have been on time, but statuses late, for this long. */
 static bool contradicted_for(roburoc4_private_link *l, uint32_t span_us, uint64_t now_us) {
-    if (l->contradicted_us == 0) {
-        l->contradicted_us = (uint32_t)now_us | 1;
+    if (!l->contradicted) {
+        l->contradicted = 1;
+        l->contradicted_us = (uint32_t)now_us;
     }
-    return (int32_t)((uint32_t)now_us - l->contradicted_us - span_us) >= 0;
+    return (uint32_t)now_us - l->contradicted_us >= span_us;
 }
 
 /** Pairs of an answer and a status showed that the bound is too high by this: raise floor_us as far
@@ -230,11 +231,11 @@ static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_
     rise_us = rise_us < late_us ? rise_us : late_us;
     rise_us = rise_us < by_us ? rise_us : by_us;
     if (by_us - rise_us <= age_us) {
-        l->contradicted_us = 0;
+        l->contradicted = 0;
     } else if (contradicted_for(l, FORGIVEN_US, now_us)) {
         rise_us = by_us - age_us < late_us ? by_us - age_us : late_us;
         by_us = (uint32_t)(rise_us + age_us);
-        l->contradicted_us = 0;
+        l->contradicted = 0;
     } else {
         rise_us = by_us = 0;
     }
@@ -258,7 +259,7 @@ static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
     } else if (l->excess_us == 0) {
         if (lateness(l, transit) <=
             l->round_trip_min_us + ROBUROC4_CYCLE_US + drifted_us(l, now_us)) {
-            l->contradicted_us = 0; /* a slow answer alone would not show it */
+            l->contradicted = 0; /* a slow answer alone would not show it */
         }
         l->excess_us = excess_us;
         l->excess_since_us = (uint32_t)now_us;
@@ -394,14 +395,15 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
     return VERDICT_NEW;
 }
 
-void roburoc4_link_round_trip(roburoc4_private_link *l, uint32_t sent_us, uint32_t now_us) {
+void roburoc4_link_round_trip(roburoc4_private_link *l, bool text, uint32_t sent_us,
+                              uint32_t now_us) {
     const uint32_t sample = now_us - sent_us;
     if (l->round_trip_min_us == 0 || sample < l->round_trip_min_us) {
         l->round_trip_min_us = sample > 0 ? sample : 1;
     }
     l->round_trip_us =
         l->round_trip_us == 0 ? sample : l->round_trip_us - l->round_trip_us / 8 + sample / 8;
-    if ((int32_t)(sent_us - l->asked_us) >= 0) {
+    if (!text && (int32_t)(sent_us - l->asked_us) >= 0) {
         l->asked_us = sent_us;
         l->answered = 1;
     }

@@ -405,7 +405,7 @@ static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data
         c->private_subscriptions.leaving &= (uint8_t)~service_bit(s->ask.kind);
         break;
     default: /* REPLACE */
-        roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_OK);
+        roburoc4_schedule_pose_taken(c, s);
         break;
     }
     return result;
@@ -491,7 +491,8 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
     const slot request = *s; /* closing it, or a new state, may change the slot */
     roburoc4_drive_heard(&c->private_drive, s->sent_us);
     if (measures_round_trip(c, s, data[0])) {
-        roburoc4_link_round_trip(&c->private_link, s->sent_us, c->private_timer.now_us);
+        roburoc4_link_round_trip(&c->private_link, s->ask.action == ROBUROC4_ACTION_QUERY,
+                                 s->sent_us, c->private_timer.now_us);
     }
     if (bad) {
         count(c, ROBUROC4_COUNT_REFUSED);

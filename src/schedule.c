@@ -13,6 +13,8 @@
 #define FIRST_STATUS_SERVICE ROBUROC4_SERVICE_IOCARD
 /* A pose that could not be sent within this time is sent only if the robot has been at rest. */
 #define POSE_US (50 * MS)
+/* The same of one that the robot accepts later than this. */
+#define POSE_TAKEN_US (250 * MS)
 /* A robot below these speeds, in m/s and rad/s, is at rest for a new pose; older statuses do not
  * show that it still is. */
 #define POSE_FRESH_MS 150
@@ -82,6 +84,7 @@ static bool open_probe(client *c) {
         return false;
     }
     s->probe_us = c->private_timer.now_us;
+    s->text_first = 1;
     if (WITH_TEXTS && !c->private_drive.lease_active) {
         roburoc4_discovery_ask_again(d, c->private_values.io_counts);
     }
@@ -153,6 +156,15 @@ static bool open_pose(client *c) {
            open_about(c, ROBUROC4_ACTION_REPLACE, ROBUROC4_SERVICE_LOCALIZATION, REQUEST_TRIES);
 }
 
+/** The probe, else a text. Where one request at a time is open, and the robot is slow, probes are
+ * always due: then they take turns. */
+static bool open_probe_or_text(client *c) {
+    roburoc4_private_schedule *s = &c->private_schedule;
+    const bool text_first = s->text_first && in_fixed_id_mode(&c->private_requests);
+    s->text_first = 0;
+    return (text_first && open_text(c, TEXTS_ALL)) || open_probe(c) || open_text(c, TEXTS_ALL);
+}
+
 static bool open_first_delete(client *c) {
     return open_first(c, ROBUROC4_ACTION_DELETE, c->private_subscriptions.leaving) != 0;
 }
@@ -169,7 +181,7 @@ static bool open_next(client *c) {
         return open_first_insert(c) || open_text(c, TEXTS_THAT_DECIDE);
     case ROBUROC4_STATE_READY:
         return open_pose(c) || open_properties(c) || open_first_insert(c) || open_first_delete(c) ||
-               open_probe(c) || open_text(c, TEXTS_ALL);
+               open_probe_or_text(c);
     default: /* connecting, lost */
         return open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_FOREVER);
     }
@@ -253,18 +265,32 @@ void roburoc4_schedule_watch_pose(client *c) {
     }
 }
 
-/** Whether a pose that is sent now is still that of the call. */
-static bool pose_holds(client *c, const slot *s) {
+/** Whether statuses show that the robot has been at rest since the call. */
+static bool has_rested(client *c) {
     roburoc4_private_outputs *o = &c->private_outputs;
-    if (s->tries == 1 && c->private_timer.now_us - o->relocalize_us < POSE_US) {
-        return true;
-    }
     if (!roburoc4_link_fresh(&c->private_link, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
                              at_most(c->private_config.fresh_ms, POSE_FRESH_MS) * MS,
                              c->private_now_us, &c->private_timer)) {
         o->unwatched = 1;
     }
     return !o->moved && !o->unwatched;
+}
+
+/** Whether a pose that is sent now is still that of the call. */
+static bool pose_holds(client *c, const slot *s) {
+    return (s->tries == 1 &&
+            c->private_timer.now_us - c->private_outputs.relocalize_us < POSE_US) ||
+           has_rested(c);
+}
+
+void roburoc4_schedule_pose_taken(client *c, const slot *s) {
+    const roburoc4_private_outputs *o = &c->private_outputs;
+    roburoc4_result result = ROBUROC4_OK;
+    const bool late = s->tries > 1 || c->private_timer.now_us - o->relocalize_us >= POSE_TAKEN_US;
+    if (late && !has_rested(c)) {
+        result = o->moved ? ROBUROC4_ERR_MOVING : ROBUROC4_ERR_STALE_DIFFERENTIAL;
+    }
+    roburoc4_lifecycle_relocalize_ends(c, result);
 }
 
 /* ---- sending ---- */

@@ -183,18 +183,20 @@ TEST_F(StopBelief, LeavesAnotherCommanderAloneLater) {
 
 namespace {
 
-/** Delays statuses, and answers if `all`, by `queue_us`. Its clock is fast by `ppm`. */
+/** Delays statuses, and answers if `all`, by `queue_us`, and answers by what `answer_us` says. Its
+ *  clock is fast by `ppm`. */
 struct QueueingRobot : ScriptedRobot {
     std::uint64_t queue_us = 0;
     bool all = false;
     std::int64_t ppm = 0;
+    std::function<std::uint64_t(const Bytes &)> answer_us = [](const Bytes &) { return 0; };
 
     std::vector<Bytes> take() override {
         for (Bytes &bytes : ScriptedRobot::take()) {
             if (is_status(bytes))
                 held_.emplace(at_us_ + queue_us, stamped(bytes));
             else
-                held_.emplace(at_us_ + (all ? queue_us : 0), bytes);
+                held_.emplace(at_us_ + (all ? queue_us : 0) + answer_us(bytes), bytes);
         }
         std::vector<Bytes> due;
         while (!held_.empty() && held_.begin()->first <= at_us_) {
@@ -332,6 +334,41 @@ TEST(Age, IsLearntAgainAfterThisClockJumpedAhead) {
         bench.run(15 * second);
         EXPECT_EQ(ROBUROC4_OK, bench.arm());
     }
+}
+
+/** A slow answer bounds no age, so it must not end the search for the jumps. */
+TEST(Age, IsLearntAgainAfterJumpsWhereEveryThirdAnswerIsSlow) {
+    QueueingRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    bench.run(5 * second);
+    robot.answer_us = [](const Bytes &bytes) { return bytes[0] % 3 == 0 ? 900 * ms : 0; };
+    for (int jump = 0; jump < 5; jump++) {
+        bench.run(4 * second);
+        bench.skew_us += 200 * ms;
+    }
+    bench.run(90 * second);
+    EXPECT_LT(age_us(bench), 150 * ms);
+}
+
+/** Texts may have a queue of their own, and it takes long to read them all. */
+TEST(Age, IsLearntWhileSlowTextsAreRead) {
+    QueueingRobot robot;
+    robot.iocard.digital_inputs = 64;
+    robot.answer_us = [](const Bytes &bytes) {
+        return bytes[1] == ROBUROC4_ACTION_QUERY ? 300 * ms : 0;
+    };
+    robot.all = true;
+    robot.queue_us = 200 * ms;
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    bench.run(second);
+    ASSERT_GT(age_us(bench), 200 * ms);
+    robot.queue_us = 0;
+    bench.run(5 * second);
+    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_DESCRIPTIONS_DONE);
+    EXPECT_LT(age_us(bench), 150 * ms);
 }
 
 TEST(Age, IsNotProvenByStampsOfTheMeasurement) {

@@ -389,6 +389,40 @@ TEST(Relocalize, AnAnswerToThePoseBeforeIsNoneToTheNext) {
     EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
 }
 
+TEST(Relocalize, ThatIsTakenLateFailsUnlessTheRobotHasRested) {
+    enum { AT_REST, MOVES, NOT_KNOWN, CASES };
+    for (int way = 0; way < CASES; way++) {
+        SCOPED_TRACE(way);
+        ScriptedRobot robot;
+        std::vector<Bytes> late;
+        robot.follows = false;
+        robot.instead = [&late](const roburoc4_request &r, std::vector<Bytes> &) {
+            if (r.action == ROBUROC4_ACTION_REPLACE)
+                late.push_back(plain_answer(r.id, r.action, r.service, 0));
+            return r.action == ROBUROC4_ACTION_REPLACE;
+        };
+        Bench bench(robot);
+        bench.ready();
+        if (way != AT_REST) {
+            robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
+            bench.run(350 * ms);
+        }
+        ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+        bench.run(500 * ms);
+        if (way == MOVES) {
+            robot.current_linear = 0.5F;
+            robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = false;
+        }
+        bench.run(1400 * ms);
+        ASSERT_FALSE(late.empty());
+        bench.receive(late.front());
+        EXPECT_EQ(way == AT_REST ? ROBUROC4_OK
+                  : way == MOVES ? ROBUROC4_ERR_MOVING
+                                 : ROBUROC4_ERR_STALE_DIFFERENTIAL,
+                  bench.facts().relocalize_result);
+    }
+}
+
 TEST(Relocalize, IsAnsweredWithAnEvent) {
     ScriptedRobot robot;
     Bench bench(robot);
@@ -788,5 +822,40 @@ TEST(Subscribe, IsRequestedAtOnceWhateverWasRefusedBefore) {
         EXPECT_EQ(7, cycles()) << "nothing of before ends it";
         EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_INSERT).size());
         EXPECT_EQ(0U, robot.seen(ROBUROC4_ACTION_DELETE).size());
+    }
+}
+
+/* ---- another robot ---- */
+
+/** The other one has the same list of services, but other texts. */
+TEST(Outputs, NeverGoToAServiceThatTheRobotBeforeHadThere) {
+    for (const bool subscribed : {true, false}) {
+        SCOPED_TRACE(subscribed);
+        ScriptedRobot robot;
+        for (ScriptedService &service : robot.services)
+            service.type = 0;
+        roburoc4_config config = default_config();
+        config.subscriptions = subscribed ? config.subscriptions : 0;
+        Bench bench(robot, config);
+        bench.ready();
+        ASSERT_EQ(ROBUROC4_OK, set_digital_output(&bench.client, 3, 1, bench.client_us()));
+        bench.run(second);
+        robot.powered = false;
+        ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+        robot.reboot();
+        std::swap(robot.service(ROBUROC4_SERVICE_IOCARD).id,
+                  robot.service(ROBUROC4_SERVICE_BATTERY).id);
+        std::swap(robot.services[2], robot.services[4]);
+        for (ScriptedService &service : robot.services)
+            service.mute = true; /* it accepts subscriptions, but sends nothing */
+        robot.powered = true;
+        robot.output_commands.clear();
+        for (int i = 0; i < 100; i++) {
+            set_digital_output(&bench.client, 4, 1, bench.client_us());
+            bench.run(200 * ms); /* the robot complains about commands to a battery */
+        }
+        EXPECT_EQ(subscribed, robot.output_commands.empty());
+        for (const auto &command : robot.output_commands)
+            EXPECT_EQ(0x10, command.second.back()) << "nothing from before";
     }
 }
