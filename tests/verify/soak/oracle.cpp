@@ -178,6 +178,7 @@ void Oracle::started(Moment now) {
     started_us_ = well_since_us_ = now.true_us;
     unproven_us_ = UINT64_MAX;
     clock_error_us_ = 0;
+    last_of_start_.clear();
     for (Newest &newest : newest_)
         newest = Newest();
 }
@@ -286,9 +287,10 @@ void Oracle::paused(Moment now, std::int32_t result) {
     stop_requested_us_ = stop_.again_us = now.true_us;
 }
 
-void Oracle::pose_set(std::int32_t result) {
+void Oracle::pose_set(Moment now, std::int32_t result) {
     if (result < 0)
         return;
+    pose_us_ = now.true_us;
     poses_sent_ = 0;
     way_at_pose_ = way_m_;
 }

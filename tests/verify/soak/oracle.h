@@ -17,6 +17,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <string>
 
 namespace soak {
@@ -81,7 +82,7 @@ class Oracle {
     void drove(Moment now, Speeds speeds, std::uint32_t lease_us, std::int32_t result);
     void stopped(Moment now, std::int32_t result);
     void paused(Moment now, std::int32_t result);
-    void pose_set(std::int32_t result);
+    void pose_set(Moment now, std::int32_t result);
     void override_index_set(Moment now, std::int32_t index, std::int32_t result);
     void outputs_set(Moment now);
 
@@ -212,6 +213,9 @@ class Oracle {
     void watch_other_commander(Moment now, const Datagram &datagram);
     void watch_axis(Moment now, const Datagram &datagram, Axis &axis, float target, float current);
     void iocard_status(Moment now, const Datagram &datagram);
+    static double counted_us(const Newest &from, const Datagram &datagram);
+    static bool may_be_same_start(const Newest &from, Moment now, const Datagram &datagram);
+    bool hides_restarts(Moment now, const Datagram &datagram) const;
     void watch_restart(Moment now, const Datagram &datagram);
     void forget_robot(Moment now);
     bool ours(Speeds target, std::uint64_t since_us) const;
@@ -255,6 +259,7 @@ class Oracle {
     std::uint32_t outputs_boot_ = 0;
     std::uint32_t judged_boot_ = 0; /* whose restart was noticed, or could not be */
     int restarted_statuses_ = 0;
+    std::map<std::uint32_t, Newest> last_of_start_; /* since a restart was noticed */
     bool armed_before_restart_ = false;
     std::deque<Sent> sent_; /* speeds, during the last two watchdog times and longer */
     Speeds target_sent_;    /* the newest speed, and since when it has not changed */
@@ -278,6 +283,7 @@ class Oracle {
     double way_m_ = 0, way_at_pose_ = 0;
     std::uint64_t way_us_ = 0;
     int poses_sent_ = 0;
+    std::uint64_t pose_us_ = 0;
     std::uint64_t answer_delay_us_ = 0; /* of the last answer, from the robot */
     bool pad_a_held_ = false;
     std::uint64_t pad_a_us_ = 0;

@@ -255,11 +255,44 @@ void Oracle::iocard_status(Moment now, const Datagram &datagram) {
     }
 }
 
+/** By how much the robot's clock advanced. */
+double Oracle::counted_us(const Newest &from, const Datagram &datagram) {
+    return (static_cast<double>(datagram.u64_at(3)) - static_cast<double>(from.stamp)) * 1e4;
+}
+
+/** Whether the robot's clock advanced as the client's did. Statuses that are late may be of the
+ *  same start, and so may those after them. */
+bool Oracle::may_be_same_start(const Newest &from, Moment now, const Datagram &datagram) {
+    const double passed =
+        static_cast<double>(now.client_us) - static_cast<double>(from.received_us);
+    const double hidden = 2e6 + static_cast<double>(from.late_us) +
+                          static_cast<double>(now.true_us - datagram.origin.made_us);
+    return std::fabs(counted_us(from, datagram) - passed) < hidden;
+}
+
+/** Whether after several restarts, of which the client has noticed none, the clock shows what it
+ *  would have shown without. */
+bool Oracle::hides_restarts(Moment now, const Datagram &datagram) const {
+    return std::any_of(last_of_start_.begin(), last_of_start_.end(), [&](const auto &start) {
+        return start.first < boot_ && may_be_same_start(start.second, now, datagram);
+    });
+}
+
 /* A restart shows in stamps: they go back, or they did not advance as time did. */
 void Oracle::watch_restart(Moment now, const Datagram &datagram) {
     const std::uint64_t stamp = datagram.u64_at(3);
     if (datagram.origin.boot < boot_) /* from a queue of its own: they are not in a row */
         restarted_statuses_ = 0;
+    if (datagram.origin.boot > boot_ && hides_restarts(now, datagram)) {
+        gave_up_ = true; /* what was forgotten after the first of them may count again */
+        return;
+    }
+    last_of_start_[datagram.origin.boot] = {true,
+                                            datagram.origin.made_us,
+                                            stamp,
+                                            now.client_us,
+                                            now.true_us - datagram.origin.made_us,
+                                            datagram.origin.boot};
     if (datagram.origin.boot <= judged_boot_)
         return;
     const Newest *last = nullptr; /* of the robot before */
@@ -271,16 +304,8 @@ void Oracle::watch_restart(Moment now, const Datagram &datagram) {
         boot_ = datagram.origin.boot;
         restarted_statuses_ = 0;
         armed_before_restart_ = armed_;
-        const double passed = last != nullptr ? static_cast<double>(now.client_us) -
-                                                    static_cast<double>(last->received_us)
-                                              : 0;
-        const double counted =
-            last != nullptr ? (static_cast<double>(stamp) - static_cast<double>(last->stamp)) * 1e4
-                            : 0;
-        /* statuses that are late may be of the same start, and so may those after them */
-        const double hidden = 2e6 + static_cast<double>(last != nullptr ? last->late_us : 0) +
-                              static_cast<double>(now.true_us - datagram.origin.made_us);
-        if (std::fabs(counted - passed) < hidden || last == nullptr) {
+        const double counted = last != nullptr ? counted_us(*last, datagram) : 0;
+        if (last == nullptr || may_be_same_start(*last, now, datagram)) {
             judged_boot_ = boot_; /* nothing to notice; but ages are wrong by what it is ahead */
             const auto truly = static_cast<double>(datagram.origin.made_us) -
                                static_cast<double>(last != nullptr ? last->made_us : 0);
@@ -342,6 +367,8 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
         disarm(now, Promise::nothing_arms_itself);
     }
     pausing_ = false;
+    if ((report.events & ROBUROC4_EVENT_REBOOT) != 0)
+        last_of_start_.clear();
     judge_override_report(now, report);
     judge_ages(now, report);
     judge_outcome(now, before);
@@ -490,12 +517,13 @@ void Oracle::judge_standing(Moment now, const Truth &truth) {
 }
 
 void Oracle::judge_pose(Moment now, const Report &report) {
-    if ((report.events & ROBUROC4_EVENT_RELOCALIZED) == 0 || poses_sent_ < 2)
+    const bool at_once = poses_sent_ < 2 && now.true_us - pose_us_ < 250000 + slack_us;
+    if ((report.events & ROBUROC4_EVENT_RELOCALIZED) == 0 || at_once)
         return;
-    reach(Reached::repeated_pose);
-    if (way_m_ - way_at_pose_ > 0.2) /* statuses that are fresh may still show the rest before */
+    reach(poses_sent_ < 2 ? Reached::late_pose : Reached::repeated_pose);
+    if (way_m_ - way_at_pose_ > 0.4) /* a status of 0.15 s may still show the rest before */
         violate(Promise::no_old_pose, now.true_us,
-                "a pose was repeated and accepted, and the robot has moved " +
+                "a pose was accepted late, and the robot has moved " +
                     std::to_string(way_m_ - way_at_pose_) + " m since it was given");
 }
 

@@ -90,7 +90,7 @@ const Text texts[] = {
     {Promise::restart_forgets, "restart-forgets",
      "After a restart, or with another robot, nothing counts that was read before it."},
     {Promise::no_old_pose, "no-old-pose",
-     "A relocalization that was repeated while the robot moved does not count as done."},
+     "A relocalization that was repeated or taken late while the robot moved is not done."},
     {Promise::feeds_watchdog, "feeds-watchdog",
      "While a lease lives, its command is repeated at each drive period."},
     {Promise::deadlines, "deadlines",
@@ -128,6 +128,7 @@ const char *reached_name(std::size_t reached) {
                                         "resembling text",
                                         "lapsed",
                                         "paused",
+                                        "late pose",
                                         "repeated pose",
                                         "others within limits",
                                         "drifted"};

@@ -79,7 +79,8 @@ enum class Reached {
     resembling_text,      /* "Game pad A LED" */
     lapsed,
     paused,
-    repeated_pose, /* REPLACE was repeated while it moved */
+    late_pose,     /* REPLACE was answered after more than 0.25 s */
+    repeated_pose, /* or was repeated */
     others_within_limits,
     drifted, /* a quarter of an hour with clocks 300 ppm apart */
     count_

@@ -119,7 +119,8 @@ class Scenario {
   public:
     Scenario(std::uint64_t seed, Client &client, const Promises &excluded, bool trace)
         : random_(seed), plan_(draw_robot(random_)), config_(draw_config(random_, plan_)),
-          manners_(draw_manners(random_)), world_(plan_, config_, client, excluded, seed) {
+          manners_(draw_manners(random_)), restarts_often_(seed % 10 == 0),
+          world_(plan_, config_, client, excluded, seed) {
         world_.trace(trace);
         if (trace)
             print();
@@ -294,6 +295,10 @@ class Scenario {
     }
 
     void begin_mishap() {
+        if (restarts_often_ && random_.chance(0.5)) {
+            restart();
+            return;
+        }
         const Speeds pad = {static_cast<float>(random_.uniform(-1, 1)),
                             static_cast<float>(random_.uniform(-1, 1))};
         switch (random_.between(0, 14)) {
@@ -391,7 +396,7 @@ class Scenario {
             dark_until_us_ = world_.now_us() + random_.between(100, 40000) * 1000;
         }
         RobotPlan plan = plan_;
-        if (random_.chance(0.3) && !user_told()) {
+        if (random_.chance(restarts_often_ ? 0.8 : 0.3) && !user_told()) {
             plan = draw_robot(random_);
             plan.own_queues = plan_.own_queues;
             plan.literal_ids = plan_.literal_ids;
@@ -517,6 +522,7 @@ class Scenario {
     RobotPlan plan_;
     roburoc4_config config_;
     Manners manners_;
+    bool restarts_often_; /* and is another robot then, mostly */
     World world_;
     Speeds target_, others_;
     bool armed_ = false;

@@ -288,7 +288,7 @@ std::int32_t World::set_outputs(std::uint64_t mask, std::uint64_t values) {
 
 std::int32_t World::relocalize() {
     const std::int32_t result = client_.relocalize(client_now());
-    oracle_.pose_set(result);
+    oracle_.pose_set(moment(), result);
     return called("relocalize", result);
 }
 
