@@ -459,11 +459,15 @@ class Scenario {
             world_.run_for(70 * second);
         if (world_.report().state == ROBUROC4_STATE_IDLE)
             world_.start();
-        world_.stop(); /* which also clears what another commander left behind */
+        world_.stop();
         const std::uint64_t calm_us = world_.now_us();
         const std::uint64_t patience_us = (!friendly() ? 5 : 90) * second;
         std::int32_t result = -1;
         while (!violated() && result < 0 && world_.now_us() - calm_us < patience_us) {
+            if (result == ROBUROC4_ERR_OTHER_COMMANDER) { /* a target that it left behind */
+                world_.stop();
+                world_.run_for(second);
+            }
             world_.run_for(50000);
             result = world_.arm();
         }
