@@ -357,7 +357,7 @@ TEST(Link, AnOlderRequestThatIsAnsweredLaterMakesNoStatusOlder) {
     bench.run(1010 * ms); /* a probe is answered */
     robot.say(plain_answer(id, ROBUROC4_ACTION_REPLACE, ROBUROC4_SERVICE_LOCALIZATION, 0));
     bench.pump();
-    ASSERT_EQ(ROBUROC4_OK, bench.facts().relocalize_result);
+    ASSERT_EQ(ROBUROC4_ERR_STALE_DIFFERENTIAL, bench.facts().relocalize_result) << "but answered";
     robot.say(robot.status(ROBUROC4_SERVICE_DIFFERENTIAL));
     bench.pump();
     EXPECT_EQ(20000U, bench.service_link(differential).age_us) << "since the probe, and a cycle";
