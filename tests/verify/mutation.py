@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Change the core in random places and count how many of the changes the unit tests notice.
+"""Change files in random places and count how many of the changes their tests notice.
 
 universalmutator makes the changes. One that does not compile, or that compiles to the same code,
 does not count. Those that nobody noticed are printed: each is a missing test, or a change that
@@ -34,12 +34,12 @@ def changes(file: Path, mutate: str) -> list[str]:
         return sorted({path.read_text() for path in Path(folder).iterdir()})
 
 
-def copy_sources(folder: Path) -> None:
-    for file in (ROOT / "src").glob("*.[ch]"):
+def copy_sources(sources: list[Path], folder: Path) -> None:
+    for file in sources[0].parent.glob("*.[ch]"):
         shutil.copy(file, folder)
 
 
-def compile_core(folder: Path, sources: list[Path]) -> dict[str, bytes] | None:
+def compile_all(folder: Path, sources: list[Path]) -> dict[str, bytes] | None:
     """Compile the files in the folder; None if one does not compile."""
     objects = {}
     for source in sources:
@@ -62,12 +62,12 @@ def exported(code: bytes, folder: Path) -> bytes:
 
 
 def pass_with(objects: dict[str, bytes], program: Path, folder: Path) -> bool:
-    """Whether the tests pass with a core made of these objects."""
+    """Whether the tests pass with a library made of these objects."""
     files = []
     for source, code in objects.items():
         files.append(folder / (source + ".o"))
         files[-1].write_bytes(code)
-    library = folder / "core.so"
+    library = folder / "changed.so"
     subprocess.run(["gcc", "-shared", "-o", library, *files], check=True)
     limit = ["prlimit", f"--as={MEMORY_BYTES}"]
     command = [*limit, program, "--gtest_brief=1", "--gtest_fail_fast"]
@@ -87,9 +87,9 @@ def verdict(
     """Whether the tests notice this version of a file."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        copy_sources(folder)
+        copy_sources(sources, folder)
         (folder / file.name).write_text(text)
-        changed = compile_core(folder, [file] if file.suffix == ".c" else sources)
+        changed = compile_all(folder, [file] if file.suffix == ".c" else sources)
         if changed is None:
             return "invalid"
         if all(sound[source] == code for source, code in changed.items()):
@@ -111,19 +111,23 @@ def difference(before: str, after: str) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--mutate", required=True, help="universalmutator's program")
-    parser.add_argument("--program", type=Path, required=True, help="linked with the shared core")
+    parser.add_argument(
+        "--program", type=Path, required=True, help="linked with them as a shared library"
+    )
+    parser.add_argument("--compile", default="", help="more arguments to compile them with")
     parser.add_argument("--sample", type=int, default=200, help="changes to try")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--at-least", type=float, default=0, help="per cent that must be noticed")
     parser.add_argument("sources", type=Path, nargs="+")
     options = parser.parse_args()
 
+    COMPILE[1:1] = options.compile.split()
     sources = [source.resolve() for source in options.sources]
     with tempfile.TemporaryDirectory() as name:
-        copy_sources(Path(name))
-        sound = compile_core(Path(name), sources)
+        copy_sources(sources, Path(name))
+        sound = compile_all(Path(name), sources)
         if sound is None or not pass_with(sound, options.program, Path(name)):
-            sys.exit("mutation: the core as it is does not compile, or fails its tests")
+            sys.exit("mutation: the files as they are do not compile, or fail their tests")
 
     mutants = [(f, text) for f in sources for text in changes(f, os.path.abspath(options.mutate))]
     random.Random(options.seed).shuffle(mutants)
@@ -133,7 +137,8 @@ def main() -> int:
         for (file, text), result in zip(mutants, tried, strict=True):
             count[result] += 1
             if result == "missed":
-                print(f"missed: src/{file.name}\n{difference(file.read_text(), text)}", flush=True)
+                print(f"missed: {file.relative_to(ROOT)}")
+                print(difference(file.read_text(), text), flush=True)
             if count["noticed"] + count["missed"] >= options.sample:
                 break
         pool.shutdown(cancel_futures=True)
