@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""First contact's last step, on the ground, with a robot whose wheels slip and miscount."""
+"""First contact on the ground, with a robot whose wheels slip and miscount; its robot file."""
 
 import math
 import re
@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from roburoc4 import Robot, Simulator
+from roburoc4 import Robot, Simulator, robot_file
+from roburoc4_tools.cli import first_contact
 from roburoc4_tools.first_contact import ground
 from roburoc4_tools.first_contact.session import ReleasedError, UnsafeError
 
@@ -87,3 +88,12 @@ def test_letting_the_key_go_stops_the_robot(seconds: float) -> None:
 
     with pytest.raises(ReleasedError):
         on_the_ground(held)
+
+
+def test_what_no_robot_file_can_hold_is_left_out_of_it(tmp_path: Path) -> None:
+    first_contact.save(tmp_path / "robot.txt", {"override_index": 8, "width_m": 0.01})
+    assert robot_file.load(tmp_path / "robot.txt") == {"override_index": 8}
+
+
+def test_the_known_robots_are_read() -> None:
+    assert first_contact.known_robots()["simulator"]["override_index"] == 8

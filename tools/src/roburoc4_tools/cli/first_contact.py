@@ -109,11 +109,11 @@ def _keep(contact: Contact, folder: Path, name: str) -> None:
 
     (folder / _STATE).write_text(json.dumps(contact.state()), encoding="utf-8")
     if contact.session.known:
-        _save(folder / _FILE, contact.session.known)
-    bundle.write(contact, folder, name, _known_robots())
+        save(folder / _FILE, contact.session.known)
+    bundle.write(contact, folder, name, known_robots())
 
 
-def _save(path: Path, known: dict[str, float]) -> None:
+def save(path: Path, known: dict[str, float]) -> None:
     """Write the robot file, without what no robot file can hold."""
     from roburoc4 import ArgumentError, robot_file
 
@@ -125,7 +125,8 @@ def _save(path: Path, known: dict[str, float]) -> None:
     robot_file.save(path, fitting)
 
 
-def _known_robots() -> dict[str, dict[str, float]]:
+def known_robots() -> dict[str, dict[str, float]]:
+    """Return what is known about the robots of docs/first-contact.md's table."""
     from roburoc4 import robot_file
 
     from .. import first_contact

@@ -5,6 +5,7 @@ import math
 import struct
 
 from . import wire
+from .identify import restart
 from .session import Session, UnsafeError, number
 
 _BUMPERS = (
@@ -96,13 +97,21 @@ def inputs(s: Session) -> None:
         )
 
 
+def _end(s: Session, service: str) -> None:
+    """End a subscription, by a restart if the robot does not let us: its list may be short."""
+    s.unsubscribe(service)
+    if s.known.get("delete_refused"):
+        restart(s)
+        s.subscribe("iocard", 10)
+
+
 def _battery(s: Session, values: list[float]) -> str:
     said = "analog inputs: " + ", ".join(f"{k}: {v:.2f}" for k, v in enumerate(values))
     if "battery" not in s.usable:
         return said
     s.subscribe("battery", 20)
     heard = s.listen(1.5)["battery"]
-    s.unsubscribe("battery")
+    _end(s, "battery")
     if not heard or heard[-1].payload[0] >= len(_BATTERY_STATES):
         return said
     state, percent = heard[-1].payload[:2]
@@ -177,7 +186,7 @@ def telemeters(s: Session) -> None:
             ]
         )
     s.please("board_away", "Take the board away.")
-    s.unsubscribe("telemeter")
+    _end(s, "telemeter")
 
 
 def _distances(s: Session) -> str:
