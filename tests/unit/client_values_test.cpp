@@ -2,6 +2,7 @@
  *
  * Accessors: latest values and their events, properties, texts, roles of inputs, battery.
  */
+#include <algorithm>
 #include <cstring>
 
 #include "client_bench.h"

@@ -4,6 +4,7 @@
  */
 #include "client_bench.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>

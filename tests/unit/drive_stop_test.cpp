@@ -4,6 +4,7 @@
  * traffic, one per period, at least three, until the robot shows that it obeys or its watchdog must
  * have tripped.
  */
+#include <algorithm>
 #include <cmath>
 
 #include "client_bench.h"
