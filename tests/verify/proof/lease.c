@@ -3,7 +3,7 @@
  * For Frama-C's WP: no speed leaves without a lease. What src/drive.c sends is a zero of a stop
  * sequence, or it is armed and less time has passed since the lease was taken than it lasts, for
  * all states and all times of 32 bits, which wrap. That no age reaches 2^32 us is the duty of
- * roburoc4_lifecycle_see_time(), and not proved. A lease is taken only while armed; an
+ * see_time(), and not proved. A lease is taken only while armed; an
  * interruption, a stop and the end of the time end it; nothing but arming arms. Never compiled.
  */
 #include "bytes.h"
@@ -26,16 +26,27 @@ int differ(const float *one, const float *other);
 
 #include "drive.c"
 
+/*@ requires \valid(t);
+    assigns t->wait_us;
+    ensures \result != 0 <==> passed_us >= span_us; */
+static bool reached(timer *t, uint32_t passed_us, uint32_t span_us);
+/*@ requires \valid(t);
+    assigns t->wait_us;
+    ensures \result != 0 <==> (uint32_t)(t->now_us - since_us) >= span_us; */
+static bool due(timer *t, uint32_t since_us, uint32_t span_us);
 /*@ requires \valid(t) && \separated(t, d);
     assigns t->wait_us;
     ensures \result != 0 <==>
         (d->lease_active != 0 && (uint32_t)(t->now_us - d->granted_us) >= d->lease_us); */
 static bool lease_over(const drive *d, timer *t);
 
+/*@ requires \valid(t) && \separated(t, d) && \separated(t, config);
+    assigns t->wait_us;
+    ensures \result != 0 ==> d->armed != 0 && d->lease_active != 0 &&
+        (uint32_t)(t->now_us - d->granted_us) < d->lease_us; */
+static bool speed_due(const drive *d, const roburoc4_config *config, timer *t);
+
 /* These only compute: that they assign no more than this is assumed, not proved. */
-/*@ assigns t->wait_us;
-    ensures \result != 0 <==> (uint32_t)(t->now_us - since_us) >= span_us; */
-static bool due(timer *t, uint32_t since_us, uint32_t span_us);
 /*@ assigns \nothing; */
 static uint32_t uplink_limit_us(const roburoc4_config *config);
 /*@ assigns \nothing; */
@@ -51,11 +62,9 @@ static void end_stop_sequence(drive *d, uint32_t now_us, uint32_t *events);
 static uint32_t pause_us(const drive *d, const roburoc4_config *config);
 /*@ assigns d->zeros_sent, d->stop_us, t->wait_us; */
 static bool zero_due(drive *d, const roburoc4_config *config, timer *t);
-/*@ requires \valid(t) && \separated(t, d);
-    assigns t->wait_us;
-    ensures \result != 0 ==> d->armed != 0 && d->lease_active != 0 &&
-        (uint32_t)(t->now_us - d->granted_us) < d->lease_us; */
-static bool speed_due(const drive *d, const roburoc4_config *config, timer *t);
+/*@ assigns d->changed, d->nonzero_sent, d->unconfirmed, d->echo_due, d->echo_us,
+            d->echo_low[0 .. 1], d->echo_high[0 .. 1]; */
+static void note_sent(drive *d, const float *speeds, uint32_t now_us);
 /*@ assigns speeds[0 .. 1]; */
 static void shape(const drive *d, const roburoc4_config *config,
                   const roburoc4_differential_properties *limits, float *speeds);
