@@ -3,11 +3,7 @@
  * os.h on Windows (Vista and later). Link with ws2_32. The reasons given in os_posix.c apply
  * here, too.
  */
-#define WIN32_LEAN_AND_MEAN
-#ifndef _WIN32_WINNT
-#define _WIN32_WINNT 0x0600
-#endif
-#include "os.h"
+#include "os_socket.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -17,14 +13,8 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
-#include <winsock2.h>
-#include <ws2tcpip.h>
 
 #include <windows.h>
-
-#define SEND_BUFFER_BYTES 4096
-#define RECEIVE_BUFFER_BYTES (256 * 1024)
-#define LONGEST_WAIT_US 3600000000u
 
 /* ----------------------------------------------------------------------------------- clock --- */
 
@@ -55,41 +45,6 @@ uint64_t roburoc4_udp_now_us(void) {
 }
 
 /* ------------------------------------------------------------------------------- addresses --- */
-
-static int to_system(const roburoc4_address *address, struct sockaddr_storage *out) {
-    memset(out, 0, sizeof *out);
-    if (address->family == 4) {
-        struct sockaddr_in *in = (struct sockaddr_in *)out;
-        in->sin_family = AF_INET;
-        in->sin_port = htons(address->port);
-        memcpy(&in->sin_addr, address->ip, 4);
-        return (int)sizeof *in;
-    } else {
-        struct sockaddr_in6 *in6 = (struct sockaddr_in6 *)out;
-        in6->sin6_family = AF_INET6;
-        in6->sin6_port = htons(address->port);
-        in6->sin6_scope_id = address->scope;
-        memcpy(&in6->sin6_addr, address->ip, 16);
-        return (int)sizeof *in6;
-    }
-}
-
-static void from_system(const struct sockaddr *system, uint16_t port, roburoc4_address *out) {
-    memset(out, 0, sizeof *out);
-    out->port = port;
-    if (system->sa_family == AF_INET) {
-        struct sockaddr_in in;
-        memcpy(&in, system, sizeof in);
-        out->family = 4;
-        memcpy(out->ip, &in.sin_addr, 4);
-    } else {
-        struct sockaddr_in6 in6;
-        memcpy(&in6, system, sizeof in6);
-        out->family = 6;
-        out->scope = in6.sin6_scope_id;
-        memcpy(out->ip, &in6.sin6_addr, 16);
-    }
-}
 
 /* Counted by Windows: each success needs a WSACleanup(). */
 static int start_winsock(int32_t *system_error) {
@@ -302,14 +257,11 @@ roburoc4_result roburoc4_os_wait(int64_t socket, int64_t wake, uint64_t timeout_
 int roburoc4_os_own_address(int64_t socket, roburoc4_address *out) {
     struct sockaddr_storage own;
     int length = (int)sizeof own;
-    uint16_t port;
     memset(&own, 0, sizeof own);
     if (getsockname((SOCKET)socket, (struct sockaddr *)&own, &length) != 0) {
         return 0;
     }
-    port = own.ss_family == AF_INET ? ((struct sockaddr_in *)&own)->sin_port
-                                    : ((struct sockaddr_in6 *)&own)->sin6_port;
-    from_system((struct sockaddr *)&own, ntohs(port), out);
+    from_system((struct sockaddr *)&own, port_of(&own), out);
     return 1;
 }
 
