@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "gate.h"
 
+#include "roburoc4.h"
+
 #include <string.h>
 
 /* Changes of the sender with the same cause are logged at most this often. */
@@ -179,8 +181,8 @@ static uint32_t lease_left(const gate *gate, const gate_command *command, gate_t
     if (command->lease_us > 0 && (uint32_t)command->lease_us < lease_us) {
         lease_us = (uint32_t)command->lease_us;
     }
-    if (lease_us < GATE_MIN_LEASE_US) {
-        lease_us = GATE_MIN_LEASE_US;
+    if (lease_us < ROBUROC4_MIN_LEASE_US) {
+        lease_us = ROBUROC4_MIN_LEASE_US;
     }
     int64_t waited_us = now.utime - command->arrived_utime;
     if (waited_us <= 0) {
@@ -190,10 +192,10 @@ static uint32_t lease_left(const gate *gate, const gate_command *command, gate_t
         return 0;
     }
     lease_us -= (uint32_t)waited_us;
-    if (lease_us >= GATE_MIN_LEASE_US) {
+    if (lease_us >= ROBUROC4_MIN_LEASE_US) {
         return lease_us;
     }
-    return waited_us < GATE_READ_US ? GATE_MIN_LEASE_US : 0;
+    return waited_us < GATE_READ_US ? ROBUROC4_MIN_LEASE_US : 0;
 }
 
 /* --------------------------------------------------------------------------------- verdict --- */
@@ -270,7 +272,8 @@ enum gate_verdict gate_judge(gate *gate, const gate_command *command, const gate
         return verdict;
     }
     gate_reject(gate, verdict);
-    /* Any request for motion prolongs the wait for all; all must pause once the robot is back. */
+    /* Every request for motion makes the wait begin anew, whoever sends it: until all senders have
+     * paused, none may drive. */
     bool asks_for_motion =
         command->kind == GATE_DRIVE && gate->rules.enabled[GATE_DRIVE] && !command->zero;
     if (asks_for_motion && judge_robot(gate, command, robot, now.us) != GATE_TAKEN) {

@@ -36,9 +36,6 @@ extern "C" {
 #define GATE_SENDERS 32
 /* If ages are not checked, a sender is remembered for this long after its last command. */
 #define GATE_FORGET_US 60000000u
-/* The shortest and the longest lease that the client accepts. */
-#define GATE_MIN_LEASE_US 20000u
-#define GATE_MAX_LEASE_US 1000000u
 /* Rejections with one cause are one incident until none has occurred for this long. */
 #define GATE_INCIDENT_US 5000000u
 /* A larger step against the monotonic clock means that the wall clock was set. */
@@ -73,7 +70,7 @@ enum gate_verdict {
 
 typedef struct gate_rules {
     bool enabled[GATE_KINDS];
-    uint32_t lease_us;   /* default and longest lease: GATE_MIN_ to GATE_MAX_LEASE_US */
+    uint32_t lease_us;   /* default and longest lease: ROBUROC4_MIN_ to _MAX_LEASE_US */
     uint32_t max_age_us; /* 0: ages are not checked */
 } gate_rules;
 

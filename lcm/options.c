@@ -571,8 +571,8 @@ static bool set_pose(reading *reading, const known_option *option, const char *v
 
 /* ------------------------------------------------------------------------------ all options --- */
 
-#define MIN_LEASE_MS (GATE_MIN_LEASE_US / 1000u)
-#define MAX_LEASE_MS (GATE_MAX_LEASE_US / 1000u)
+#define MIN_LEASE_MS (ROBUROC4_MIN_LEASE_US / 1000u)
+#define MAX_LEASE_MS (ROBUROC4_MAX_LEASE_US / 1000u)
 /* drive() accepts no faster commands. */
 #define MAX_LINEAR_MM_S ((uint32_t)(ROBUROC4_MAX_DRIVE_M_S * 1000))
 #define MAX_ANGULAR_MRAD_S ((uint32_t)(ROBUROC4_MAX_DRIVE_RAD_S * 1000))

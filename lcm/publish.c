@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "log.h"
+#include "roburoc4_pump.h"
 
 /* LCM counts as working again after it has accepted all messages for this long. */
 #define MENDED_US 1000000u
@@ -42,87 +43,70 @@ static void send_bytes(robot *robot, enum channel channel, int size, uint64_t no
 #define SEND(type, channel, message)                                                               \
     send_bytes(robot, channel, type##_encode(buffer, 0, (int)sizeof buffer, &(message)), now.us)
 
-/* The time of a measurement on this machine's wall clock; the current time while the client cannot
- * convert it. */
-static int64_t wall_time(const robot *robot, uint64_t cycles, gate_time now) {
-    uint64_t host_us = 0;
-    if (roburoc4_client_host_time(&robot->client, cycles, &host_us) < 0) {
-        return now.utime;
-    }
-    return now.utime - (int64_t)(now.us - host_us);
+/* When the robot made a status, on this machine's wall clock. */
+static int64_t wall_time(const roburoc4_sample *status, gate_time now) {
+    return now.utime - (int64_t)(now.us - status->made_us);
 }
 
-static void publish_differential(robot *robot, gate_time now) {
+static void publish_differential(robot *robot, const roburoc4_sample *status, gate_time now) {
     roburoc4_lcm_differential_status_t out;
-    roburoc4_differential_status *in = &robot->speeds;
-    if (roburoc4_client_differential(&robot->client, in, NULL) >= 0) {
-        mapping_differential(in, wall_time(robot, in->robot_cycles, now), &out);
-        SEND(roburoc4_lcm_differential_status_t, CHANNEL_DIFFERENTIAL, out);
-    }
+    robot->speeds = status->value.differential;
+    mapping_differential(&robot->speeds, wall_time(status, now), &out);
+    SEND(roburoc4_lcm_differential_status_t, CHANNEL_DIFFERENTIAL, out);
 }
 
-static void publish_localization(robot *robot, gate_time now) {
-    roburoc4_localization_status in;
+static void publish_localization(robot *robot, const roburoc4_sample *status, gate_time now) {
+    const roburoc4_localization_status *in = &status->value.localization;
+    const int64_t utime = wall_time(status, now);
     roburoc4_lcm_localization_status_t out;
-    if (roburoc4_client_localization(&robot->client, &in, NULL) < 0) {
-        return;
-    }
-    int64_t utime = wall_time(robot, in.robot_cycles, now);
-    mapping_localization(&in, utime, &out);
+    mapping_localization(in, utime, &out);
     SEND(roburoc4_lcm_localization_status_t, CHANNEL_LOCALIZATION, out);
     if (robot->channels->name[CHANNEL_POSE][0] != '\0') {
         bot_core_pose_t pose;
-        mapping_pose(&in, &robot->speeds, utime, &pose);
+        mapping_pose(in, &robot->speeds, utime, &pose);
         SEND(bot_core_pose_t, CHANNEL_POSE, pose);
     }
 }
 
-static void publish_battery(robot *robot, gate_time now) {
-    roburoc4_battery_status in;
+static void publish_battery(robot *robot, const roburoc4_sample *status, gate_time now) {
     roburoc4_lcm_battery_status_t out;
-    if (roburoc4_client_battery(&robot->client, &in, NULL) >= 0) {
-        mapping_battery(&in, wall_time(robot, in.robot_cycles, now), &out);
-        SEND(roburoc4_lcm_battery_status_t, CHANNEL_BATTERY, out);
-    }
+    mapping_battery(&status->value.battery, wall_time(status, now), &out);
+    SEND(roburoc4_lcm_battery_status_t, CHANNEL_BATTERY, out);
 }
 
-static void publish_telemeter(robot *robot, gate_time now) {
-    roburoc4_distances in;
+static void publish_telemeter(robot *robot, const roburoc4_sample *status, gate_time now) {
     roburoc4_lcm_telemeter_t storage[ROBUROC4_MAX_TELEMETERS];
     roburoc4_lcm_telemeter_status_t out;
-    if (roburoc4_client_distances(&robot->client, &in, NULL) >= 0) {
-        mapping_telemeter(&in, robot->telemeters, robot->telemeter_count,
-                          wall_time(robot, in.robot_cycles, now), storage, &out);
-        SEND(roburoc4_lcm_telemeter_status_t, CHANNEL_TELEMETER, out);
-    }
+    mapping_telemeter(&status->value.distances, robot->telemeters, robot->telemeter_count,
+                      wall_time(status, now), storage, &out);
+    SEND(roburoc4_lcm_telemeter_status_t, CHANNEL_TELEMETER, out);
 }
 
-static void publish_iocard(robot *robot, gate_time now) {
-    roburoc4_inputs in;
+static void publish_iocard(robot *robot, const roburoc4_sample *status, gate_time now) {
     int8_t storage[ROBUROC4_MAX_DIGITAL_INPUTS];
     roburoc4_lcm_iocard_status_t out;
-    if (roburoc4_client_inputs(&robot->client, &in, NULL) >= 0) {
-        mapping_iocard(&in, &robot->client, &robot->names, wall_time(robot, in.robot_cycles, now),
-                       storage, &out);
-        SEND(roburoc4_lcm_iocard_status_t, CHANNEL_IOCARD, out);
-    }
+    mapping_iocard(&status->value.inputs, &robot->client, &robot->names, wall_time(status, now),
+                   storage, &out);
+    SEND(roburoc4_lcm_iocard_status_t, CHANNEL_IOCARD, out);
 }
 
 void publish_statuses(robot *robot, uint32_t events, gate_time now) {
     static const struct {
-        uint32_t event;
-        void (*publish)(struct robot *robot, gate_time now);
+        uint32_t event, service;
+        void (*publish)(struct robot *robot, const roburoc4_sample *status, gate_time now);
     } services[] = {
         /* the speeds come before the pose, which includes them */
-        {ROBUROC4_EVENT_DIFFERENTIAL, publish_differential},
-        {ROBUROC4_EVENT_LOCALIZATION, publish_localization},
-        {ROBUROC4_EVENT_BATTERY, publish_battery},
-        {ROBUROC4_EVENT_TELEMETER, publish_telemeter},
-        {ROBUROC4_EVENT_IOCARD, publish_iocard},
+        {ROBUROC4_EVENT_DIFFERENTIAL, ROBUROC4_SERVICE_DIFFERENTIAL, publish_differential},
+        {ROBUROC4_EVENT_LOCALIZATION, ROBUROC4_SERVICE_LOCALIZATION, publish_localization},
+        {ROBUROC4_EVENT_BATTERY, ROBUROC4_SERVICE_BATTERY, publish_battery},
+        {ROBUROC4_EVENT_TELEMETER, ROBUROC4_SERVICE_TELEMETER, publish_telemeter},
+        {ROBUROC4_EVENT_IOCARD, ROBUROC4_SERVICE_IOCARD, publish_iocard},
     };
+    roburoc4_sample status;
     for (size_t at = 0; at < sizeof services / sizeof services[0]; at++) {
-        if (events & services[at].event) {
-            services[at].publish(robot, now);
+        if ((events & services[at].event) != 0 &&
+            roburoc4_sample_latest(&robot->client, services[at].service, &status) >= 0) {
+            services[at].publish(robot, &status, now);
         }
     }
 }

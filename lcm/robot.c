@@ -206,7 +206,7 @@ static void step_move(robot *robot, gate_time now) {
         const uint64_t left_us = moving->until_us - now.us;
         roburoc4_result ignored = roburoc4_client_drive(
             &robot->client, moving->move.linear_m_s, moving->move.angular_rad_s,
-            left_us > GATE_MIN_LEASE_US ? (uint32_t)left_us : GATE_MIN_LEASE_US, now.us);
+            left_us > ROBUROC4_MIN_LEASE_US ? (uint32_t)left_us : ROBUROC4_MIN_LEASE_US, now.us);
         (void)ignored;
     }
     if (moving->move.result != ROBUROC4_MOVE_RUNNING) {

@@ -355,7 +355,7 @@ TEST_F(GateWithoutAges, ForgetsTheSenderThatWasSilentLongest) {
 }
 
 TEST_F(GateWithoutAges, DoesNotForgetTheSenderInControl) {
-    rules_.lease_us = GATE_MAX_LEASE_US;
+    rules_.lease_us = ROBUROC4_MAX_LEASE_US;
     restart();
     run(second);
     for (int i = 0; i < GATE_SENDERS; i++)
