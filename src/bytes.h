@@ -154,6 +154,23 @@ static inline bool within_f32(float value, float limit) {
     return magnitude_bits(value) <= bits_from_f32(limit);
 }
 
+/** In units of two to the power of -bits, rounded towards zero; FIXED_MOST for anything larger, for
+ * infinity, and for NaN. Adding floats is a large function on machines without hardware for it. */
+#define FIXED_MOST (INT32_C(1) << 30)
+static inline int32_t fixed_from_f32(float value, uint32_t bits) {
+    const uint32_t exponent = magnitude_bits(value) >> 23;
+    const uint32_t mantissa = (bits_from_f32(value) & 0x7FFFFFU) | 0x800000U;
+    int32_t size = 0;
+    if (exponent >= 157 - bits) {
+        size = FIXED_MOST;
+    } else if (exponent >= 150 - bits) {
+        size = (int32_t)(mantissa << (exponent + bits - 150));
+    } else if (exponent > 126 - bits) {
+        size = (int32_t)(mantissa >> (150 - bits - exponent));
+    }
+    return bits_from_f32(value) >> 31 != 0 ? -size : size;
+}
+
 /** Whether a float is finite; works even if the compiler may assume that all are. */
 static inline bool is_finite(float value) {
     return (bits_from_f32(value) >> 23 & 0xFF) != 0xFF;

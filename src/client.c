@@ -11,25 +11,23 @@ LAYOUT(slot, sizeof(roburoc4_private_slot) == 20);
 LAYOUT(requests, sizeof(roburoc4_private_requests) == 96);
 LAYOUT(service, sizeof(roburoc4_private_service) == 56);
 LAYOUT(link, sizeof(roburoc4_private_link) == 376);
-LAYOUT(drive, sizeof(roburoc4_private_drive) == 128);
+LAYOUT(drive, sizeof(roburoc4_private_drive) == 156);
 LAYOUT(follow, sizeof(roburoc4_private_follow) == 32);
 LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 216);
 LAYOUT(subscriptions, sizeof(roburoc4_private_subscriptions) == 32);
 LAYOUT(values, sizeof(roburoc4_private_values) == 456);
 LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 64);
 LAYOUT(config, sizeof(roburoc4_config) == 88);
-LAYOUT(client, sizeof(roburoc4_client) == 1616);
-LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 136);
-LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 776);
-LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1152);
+LAYOUT(client, sizeof(roburoc4_client) == 1600);
+LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 128);
+LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 760);
+LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1136);
 
 /* The longest wait before a request is repeated while the client is not ready. */
 #define PATIENCE_US (5 * SECOND)
 /* The same where only texts are left to request, one at a time, each of which may stay unanswered.
  */
 #define TEXT_PATIENCE_US (15 * SECOND)
-/* Longer pauses between two calls are noted. */
-#define PAUSE_US (100 * MS)
 #define RELOCALIZE_US (2 * SECOND)
 #define OUTPUT_PAUSE_US (50 * MS)
 
@@ -102,7 +100,7 @@ void roburoc4_lifecycle_connect(client *c, uint32_t state) {
 void roburoc4_lifecycle_lose(client *c) {
     const bool was_ready = c->private_state == ROBUROC4_STATE_READY;
     roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_LOST);
-    count(c, ROBUROC4_COUNT_LOST);
+    count_up(c, ROBUROC4_COUNT_LOST);
     raise_event(c, ROBUROC4_EVENT_LOST);
     c->private_link.resubscribed = 1;
     if (!expects_statuses(c)) { /* nothing will tell whether it is the same robot then */
@@ -114,7 +112,7 @@ void roburoc4_lifecycle_lose(client *c) {
 
 void roburoc4_lifecycle_reboot(client *c) {
     roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_REBOOT);
-    count(c, ROBUROC4_COUNT_REBOOTS);
+    count_up(c, ROBUROC4_COUNT_REBOOTS);
     raise_event(c, ROBUROC4_EVENT_REBOOT);
     c->private_link.newest_cycles = 0;
     c->private_link.resubscribed = 0; /* nothing is known of before */
@@ -173,7 +171,6 @@ static void limit_ages(client *c, uint64_t now_us) {
         const uint64_t age_us = (c->private_timer.now_us - *stamp) + passed_us;
         *stamp = (uint32_t)now_us - (age_us < OLDEST_US ? (uint32_t)age_us : OLDEST_US);
     }
-    c->private_aged_us = now_us;
 }
 
 /** The clock went back: restart everything that is timed. */
@@ -189,24 +186,23 @@ static void clock_fault(client *c, uint64_t host_us) {
     c->private_schedule.probe_us = now_us - SECOND; /* no age is known before the first answer */
     c->private_outputs.sent_us = now_us;
     c->private_outputs.relocalize_us = now_us;
-    c->private_aged_us = host_us;
-    count(c, ROBUROC4_COUNT_CLOCK_FAULTS);
+    count_up(c, ROBUROC4_COUNT_CLOCK_FAULTS);
     raise_event(c, ROBUROC4_EVENT_CLOCK);
 }
 
-void roburoc4_lifecycle_see_time(client *c, uint64_t now_us) {
+void roburoc4_lifecycle_jump(client *c, uint64_t now_us) {
+    if (now_us < c->private_now_us) {
+        clock_fault(c, now_us);
+        return;
+    }
     if (now_us - c->private_now_us >= PAUSE_US) {
-        if (now_us < c->private_now_us) {
-            clock_fault(c, now_us);
-        } else {
-            roburoc4_link_pause(&c->private_link, now_us - c->private_now_us);
-        }
+        roburoc4_link_pause(&c->private_link, now_us - c->private_now_us);
     }
-    if (now_us - c->private_aged_us >= OLDEST_US) {
-        limit_ages(c, now_us);
-    }
-    c->private_now_us = now_us;
-    c->private_timer.now_us = (uint32_t)now_us;
+    limit_ages(c, now_us);
+}
+
+void roburoc4_lifecycle_see_time(client *c, uint64_t now_us) {
+    see_time(c, now_us);
 }
 
 /* ---- init, start, close ---- */
@@ -240,7 +236,6 @@ roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
     memset(&c->private_discovery, 0, sizeof c->private_discovery);
     memset(&c->private_values, 0, sizeof c->private_values);
     memset(&c->private_outputs, 0, sizeof c->private_outputs);
-    memset(&c->private_follow, 0, sizeof c->private_follow);
     memset(c->private_counters, 0, sizeof c->private_counters);
     c->private_outputs.relocalize_result = ROBUROC4_ERR_UNKNOWN;
     roburoc4_discovery_clear(&c->private_discovery);
@@ -248,7 +243,6 @@ roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
     for (uint32_t i = 0; i < sizeof stamps / sizeof stamps[0]; i++) {
         *stamp_at(c, i) = c->private_timer.now_us - OLDEST_US; /* nothing has happened yet */
     }
-    c->private_aged_us = now_us;
     c->private_link.last_used_us = c->private_timer.now_us;
     roburoc4_drive_start(&c->private_drive, c->private_timer.now_us);
     roburoc4_lifecycle_connect(c, ROBUROC4_STATE_CONNECTING);
@@ -357,14 +351,14 @@ roburoc4_result roburoc4_client_poll_transmit(client *c, uint8_t *buffer, size_t
         return 0;
     }
     if (now_us >= c->private_now_us && now_us < c->private_idle_until_us) {
-        roburoc4_lifecycle_see_time(c, now_us);
+        see_time(c, now_us);
         return 0; /* nothing changed since this deadline was computed */
     }
     begin_call(c, now_us);
     c->private_timer.wait_us = UINT32_MAX;
     const roburoc4_result length = poll_all(c, buffer, capacity);
     if (length > 0) {
-        count(c, ROBUROC4_COUNT_SENT);
+        count_up(c, ROBUROC4_COUNT_SENT);
     } else { /* it asked of everything whether it is due */
         c->private_idle_until_us = now_us + c->private_timer.wait_us;
     }

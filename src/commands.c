@@ -17,13 +17,13 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
     if (!started(c)) {
         return ROBUROC4_ERR_NOT_READY;
     }
-    roburoc4_lifecycle_see_time(
-        c, now_us); /* a refused call makes nothing due: programs may try again and again */
+    /* a refused call makes nothing due: programs may try again and again */
+    roburoc4_lifecycle_see_time(c, now_us);
     roburoc4_conditions_tick(c);
     const roburoc4_result refusal = roburoc4_conditions_refusal(c, now_us);
     if (refusal >= 0) {
         wake(c);
-        roburoc4_drive_arm(&c->private_drive, &c->private_follow, &c->private_events);
+        roburoc4_drive_arm(&c->private_drive, &c->private_events);
         c->private_conditions.armable = 0; /* the event comes again after disarming */
     }
     return refusal;
@@ -43,9 +43,9 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
         return ROBUROC4_ERR_UNITS;
     }
     if (lease_us == 0) {
-        lease_us = c->private_config.lease_ms * 1000U;
+        lease_us = c->private_config.lease_ms * MS;
     }
-    if (lease_us < LEASE_MIN_MS * MS || lease_us > LEASE_MAX_MS * MS) {
+    if (lease_us < ROBUROC4_MIN_LEASE_US || lease_us > ROBUROC4_MAX_LEASE_US) {
         return ROBUROC4_ERR_ARGUMENT;
     }
     roburoc4_lifecycle_see_time(c, now_us);
@@ -83,7 +83,7 @@ roburoc4_result roburoc4_client_stop(client *c, uint64_t now_us) {
 roburoc4_result roburoc4_client_set_role_index(client *c, uint32_t role, int32_t index,
                                                uint64_t now_us) {
     if (role >= ROBUROC4_ROLE_COUNT || index < ROBUROC4_INDEX_AUTO ||
-        index >= roburoc4_role_capacity(role)) {
+        index >= role_capacity(role)) {
         return ROBUROC4_ERR_ARGUMENT;
     }
     begin_call(c, now_us);

@@ -87,8 +87,8 @@ static roburoc4_result refusal(const client *c, uint64_t now_us, timer *t) {
 roburoc4_result roburoc4_conditions_refusal(const client *c, uint64_t now_us) {
     timer unused = {0, UINT32_MAX};
     const roburoc4_result why = refusal(c, now_us, &unused);
-    return why >= 0 && !c->private_drive.armed && c->private_conditions.moving ? ROBUROC4_ERR_MOVING
-                                                                               : why;
+    const bool moves = roburoc4_drive_moving(&c->private_values.differential);
+    return why >= 0 && !c->private_drive.armed && moves ? ROBUROC4_ERR_MOVING : why;
 }
 
 int32_t roburoc4_refusal_may_pass(roburoc4_result refusal) {

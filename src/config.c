@@ -15,6 +15,8 @@ typedef struct float_setting {
     float low, high, preset;
 } float_setting;
 
+#define MIN_LEASE_MS (ROBUROC4_MIN_LEASE_US / 1000)
+#define MAX_LEASE_MS (ROBUROC4_MAX_LEASE_US / 1000)
 #define AT(field) ((uint16_t)offsetof(roburoc4_config, field))
 
 /* clang-format off */
@@ -24,7 +26,7 @@ static const setting integers[] = {
     {AT(lost_ms),                  200,        60000, 1000},
     {AT(fresh_ms),                  50,         1000,  300},
     {AT(drive_period_ms),           10,          500,   50},
-    {AT(lease_ms),        LEASE_MIN_MS, LEASE_MAX_MS,  250},
+    {AT(lease_ms),        MIN_LEASE_MS, MAX_LEASE_MS,  250},
     {AT(robot_watchdog_ms),        100,        60000, 1000},
     {AT(options),                    0,            7,    0},
     {AT(lapse_disarm_ms),            0,        60000, 1000},
@@ -129,7 +131,7 @@ static uint32_t first_bad_period(const roburoc4_config *config) {
 static bool roles_valid(const roburoc4_config *config) {
     for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
         if (config->role_index[role] < ROBUROC4_INDEX_AUTO ||
-            config->role_index[role] >= roburoc4_role_capacity(role)) {
+            config->role_index[role] >= role_capacity(role)) {
             return false;
         }
     }

@@ -301,29 +301,27 @@ static bool is_bumper(uint32_t role) {
     return role == ROBUROC4_ROLE_FRONT_BUMPER || role == ROBUROC4_ROLE_REAR_BUMPER;
 }
 
-static uint32_t role_list(uint32_t role) {
-    return role == ROBUROC4_ROLE_BATTERY_V ? ROBUROC4_IO_ANALOG_INPUT : ROBUROC4_IO_DIGITAL_INPUT;
-}
-
-/** The manual's table (5.5.1), by rows or, on a card with one more input, by its numbers. */
-static int32_t role_by_table(uint32_t role, int32_t count) {
-    static const uint8_t rows[ROBUROC4_ROLE_COUNT] = {ROBUROC4_DI_PAD_A, ROBUROC4_DI_FRONT_BUMPER,
-                                                      ROBUROC4_DI_REAR_BUMPER,
-                                                      ROBUROC4_AI_BATTERY_V};
-    const int32_t table = role == ROBUROC4_ROLE_BATTERY_V ? ROBUROC4_AI_COUNT : ROBUROC4_DI_COUNT;
-    if (count != table && count != table + 1) {
-        return ROLE_TEXT_NONE;
+int32_t roburoc4_table_index(uint32_t io_type, int32_t count, int32_t place) {
+    static const uint8_t places[] = {ROBUROC4_AI_COUNT, ROBUROC4_AO_COUNT, ROBUROC4_DI_COUNT,
+                                     ROBUROC4_DO_COUNT};
+    const int32_t more = count - places[io_type];
+    if (more != 0 && more != 1) {
+        return -1;
     }
-    return rows[role] > 1 ? rows[role] + (count - table) : rows[role];
+    return place > 1 ? place + more : place;
 }
 
-/** The place of [A] in the manual's table, on a card like the manual's. */
+static int32_t role_by_table(uint32_t role, int32_t count) {
+    return roburoc4_table_index(role_type(role), count, role_place(role));
+}
+
+/** The input that is [A] by the manual's table, on a card like the manual's; else -1. */
 static int32_t pad_by_table(const int32_t *io_counts) {
     const int32_t analog = io_counts[ROBUROC4_IO_ANALOG_INPUT];
     if ((analog != ROBUROC4_AI_COUNT && analog != ROBUROC4_AI_COUNT + 1) ||
         io_counts[ROBUROC4_IO_ANALOG_OUTPUT] != ROBUROC4_AO_COUNT ||
         io_counts[ROBUROC4_IO_DIGITAL_OUTPUT] != ROBUROC4_DO_COUNT) {
-        return ROLE_TEXT_NONE;
+        return -1;
     }
     return role_by_table(ROBUROC4_ROLE_OVERRIDE, io_counts[ROBUROC4_IO_DIGITAL_INPUT]);
 }
@@ -335,7 +333,7 @@ static piece searched(const uint8_t *text, uint32_t length) {
 uint8_t roburoc4_discovery_roles(uint32_t list, const uint8_t *text, uint32_t length) {
     uint8_t roles = 0;
     for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
-        if (role_list(role) == list && is_role(role, searched(text, length))) {
+        if (role_type(role) == list && is_role(role, searched(text, length))) {
             roles |= (uint8_t)(1U << role);
         }
     }
@@ -429,7 +427,7 @@ static bool complete(const discovery *d, const int32_t *io_counts, uint32_t list
 bool roburoc4_discovery_next_text(const discovery *d, const requests *r, const int32_t *io_counts,
                                   text_choice choice, ask *out) {
     /* what driving depends on comes first; then the rest of the directory */
-    static const uint8_t order[6] = {
+    static const uint8_t order[TEXTS_ALL] = {
         LIST_DIRECTORY,           ROBUROC4_IO_DIGITAL_INPUT,  LIST_DIRECTORY,
         ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_IO_DIGITAL_OUTPUT, ROBUROC4_IO_ANALOG_OUTPUT};
     for (uint32_t i = 0; i < (uint32_t)choice; i++) {
@@ -515,7 +513,7 @@ static int32_t find_input(const discovery *d, const int32_t *io_counts, uint32_t
             index++;
         }
     }
-    return index == ROLE_TEXT_NONE ? role_by_table(role, io_counts[role_list(role)]) : index;
+    return index == ROLE_TEXT_NONE ? role_by_table(role, io_counts[role_type(role)]) : index;
 }
 
 uint64_t roburoc4_discovery_bumper(const discovery *d, const roburoc4_config *config,
@@ -539,5 +537,5 @@ roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_confi
                                                : find_input(d, io_counts, role);
     }
     /* below 64, which is the most that a client stores */
-    return index >= 0 && index < io_counts[role_list(role)] ? index : ROBUROC4_ERR_UNKNOWN;
+    return index >= 0 && index < io_counts[role_type(role)] ? index : ROBUROC4_ERR_UNKNOWN;
 }

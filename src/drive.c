@@ -21,14 +21,16 @@
 #define UPLINK_US (400 * MS)
 /* A reported target or speed up to this, in m/s or rad/s, is a rounded zero. */
 #define ROUNDING 1e-3F
+/* Fixed-point numbers: of speeds, and of wheels' speeds, which are exact to that of a float. */
+#define SPEED_BITS 20
+#define WHEEL_BITS 24
+#define FIXED(value) ((int32_t)((value) * (INT32_C(1) << SPEED_BITS)))
 /* How far reported targets may be from sent ones, due to rounding by the robot. */
-#define TARGET_TOLERANCE 0.02F
+#define TARGET_TOLERANCE FIXED(0.02F)
 /* A target that differs by more must appear among the reported ones. */
-#define NEW_TARGET 0.025F
+#define NEW_TARGET FIXED(0.025F)
 /* Far above any robot's speed, and low enough that products stay finite. */
 #define ANY_SPEED 1000.0F
-/* Of the share that keeps a curve: as exact as a float, also of the smallest share. */
-#define SHARE_BITS 40
 /* Widths outside of these are ignored. */
 #define WIDTH_MIN_M 0.01F
 #define WIDTH_MAX_M 10.0F
@@ -52,9 +54,10 @@ static bool between(float value, float low, float high) {
 }
 
 /** Whether a value lies between two others, or as little outside of them as the tolerance. */
-static bool near(float value, float low, float high, float tolerance) {
-    return order_of(value + tolerance) >= order_of(low) &&
-           order_of(value) <= order_of(high + tolerance);
+static bool near(float value, float low, float high, int32_t tolerance) {
+    const int32_t fixed = fixed_from_f32(value, SPEED_BITS);
+    return fixed + tolerance >= fixed_from_f32(low, SPEED_BITS) &&
+           fixed - tolerance <= fixed_from_f32(high, SPEED_BITS);
 }
 
 void roburoc4_drive_start(drive *d, uint32_t now_us) {
@@ -143,11 +146,11 @@ bool roburoc4_drive_limits_valid(const roburoc4_differential_properties *limits)
            between(0, limits->min_angular_rad_s, limits->max_angular_rad_s);
 }
 
-void roburoc4_drive_arm(drive *d, follow *f, uint32_t *events) {
+void roburoc4_drive_arm(drive *d, uint32_t *events) {
     if (!d->armed) {
         *events |= ROBUROC4_EVENT_ARMED | (d->inhibited ? ROBUROC4_EVENT_INHIBITED : 0);
         d->inhibited = 0; /* else a robot that still does not follow would go unnoticed */
-        roburoc4_follow_begin(f);
+        roburoc4_follow_begin(&d->follow);
     }
     d->armed = 1;
     d->lapsed = 0;
@@ -212,33 +215,35 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
 
 /* ---- sending ---- */
 
-static bool exceeds(const float *wanted, float share, const float *most) {
-    return order_of(wanted[LINEAR] * share) > order_of(most[LINEAR]) ||
-           order_of(wanted[ANGULAR] * share) > order_of(most[ANGULAR]);
+/** Whether this share of the speeds is beyond the limits. Of the linear speed, that is the one of
+ * the outer wheels. */
+static bool exceeds(const float *speeds, float share, const float *most, float half_width_m) {
+    const float linear = magnitude(speeds[LINEAR]) * share;
+    const float angular = magnitude(speeds[ANGULAR]) * share;
+    const uint32_t outer = (uint32_t)fixed_from_f32(linear, WHEEL_BITS) +
+                           (uint32_t)fixed_from_f32(angular * half_width_m, WHEEL_BITS);
+    return (!is_zero(most[LINEAR]) && outer > (uint32_t)fixed_from_f32(most[LINEAR], WHEEL_BITS)) ||
+           (!is_zero(most[ANGULAR]) && order_of(angular) > order_of(most[ANGULAR]));
 }
 
-/** The factor, at most 1, that brings both speeds within the limits and preserves the curvature.
- * The linear limit holds for the outer wheels, too. A limit of 0 is ignored: in that direction the
- * robot cannot drive at all, so there is no curvature to preserve. */
+/** The factor, at most 1, that brings both speeds within the limits and preserves the curvature. A
+ * limit of 0 is ignored: in that direction the robot cannot drive at all, so there is no curvature
+ * to preserve. */
 static float curve_share(const float *speeds, const float *low, const float *high, float width_m) {
-    const float outer = magnitude(speeds[LINEAR]) + magnitude(speeds[ANGULAR]) * width_m * 0.5F;
-    const float wanted[AXES] = {outer, magnitude(speeds[ANGULAR])};
     float most[AXES];
-    float share = 1;
-    float step = 1;
+    uint32_t share = bits_from_f32(1);
     for (uint32_t axis = 0; axis < AXES; axis++) {
         most[axis] = magnitude(order_of(speeds[axis]) < 0 ? low[axis] : high[axis]);
-        most[axis] = is_zero(most[axis]) ? ANY_SPEED * ANY_SPEED : most[axis];
     }
-    if (exceeds(wanted, 1, most)) {
-        /* by bisection, to the last bit: a division costs a small machine 600 bytes */
+    if (exceeds(speeds, 1, most, width_m * 0.5F)) {
+        /* bit by bit, as the bits of such floats are in their order: a division is large, too */
         share = 0;
-        for (uint32_t bit = 0; bit < SHARE_BITS; bit++) {
-            step *= 0.5F;
-            share = exceeds(wanted, share + step, most) ? share : share + step;
+        for (uint32_t bit = UINT32_C(1) << 29; bit != 0; bit >>= 1) {
+            const bool less = exceeds(speeds, f32_from_bits(share | bit), most, width_m * 0.5F);
+            share |= less ? 0 : bit;
         }
     }
-    return share;
+    return f32_from_bits(share);
 }
 
 /** Scale, then reduce both speeds together, then clamp. */
@@ -453,16 +458,16 @@ static void watch_echo(drive *d, const roburoc4_config *config, const float *rep
 }
 
 /** The robot must not start moving because power returns or a bumper is released. */
-static void watch_following(drive *d, follow *f, const roburoc4_differential_status *s,
-                            bool expected, uint32_t *events) {
+static void watch_following(drive *d, const roburoc4_differential_status *s, bool expected,
+                            uint32_t *events) {
     if (!expected && !d->armed && !d->inhibited) {
-        roburoc4_follow_pause(f, s); /* saves a client that only listens a third of its work */
+        follow_pause(&d->follow, s); /* saves a client that only listens a third of its work */
         return;
     }
     const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
     const bool ours = d->lease_active && !d->other_commander;
     const float *targets = ours ? d->sent : reported;
-    const bool inhibited = roburoc4_follow_status(f, expected ? targets : NULL, s);
+    const bool inhibited = roburoc4_follow_status(&d->follow, expected ? targets : NULL, s);
     if (inhibited != (d->inhibited != 0)) {
         d->inhibited = inhibited;
         *events |= ROBUROC4_EVENT_INHIBITED;
@@ -473,45 +478,45 @@ static void watch_following(drive *d, follow *f, const roburoc4_differential_sta
 }
 
 /** What the reported targets mean for the stop sequence, the lease, or the time after both. */
-static void watch_targets(drive *d, const roburoc4_config *config, const float *reported, bool ours,
-                          uint32_t age_us, uint32_t now_us, uint32_t *events) {
-    const bool zero = nearly_zero(reported[LINEAR]) && nearly_zero(reported[ANGULAR]);
+static void watch_targets(drive *d, const roburoc4_config *config, const float *reported, bool zero,
+                          bool ours, const roburoc4_private_link *l, uint32_t now_us,
+                          uint32_t *events) {
+    const uint32_t index = STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL);
     if (d->stopping) {
-        if (zero && d->zeros_sent >= STOP_ZEROS && now_us - d->stop_us >= age_us) {
+        if (zero && d->zeros_sent >= STOP_ZEROS &&
+            now_us - d->stop_us >= roburoc4_link_age_at_arrival(l, index)) {
             d->confirmed = 1; /* an older status is from before the zeros */
         }
     } else if (d->lease_active) {
         watch_echo(d, config, reported, ours, now_us, events);
     } else if (!zero && ours && has_driven(d)) { /* a speed of ours came late, or came back */
         d->unconfirmed = 1;
-        if (age_us < WATCHED_US) {
+        if (roburoc4_link_age_at_arrival(l, index) < WATCHED_US) {
             stop_again(d);
         }
     }
 }
 
-/** Whether the robot has a target to follow, of ours or of another commander. */
-static bool has_target(const drive *d, const float *reported) {
-    return d->lease_active || (!(nearly_zero(reported[LINEAR]) && nearly_zero(reported[ANGULAR])) &&
-                               is_finite(reported[LINEAR]) && is_finite(reported[ANGULAR]));
-}
-
-void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
-                           const roburoc4_differential_status *s, bool overridden, uint32_t age_us,
-                           uint32_t now_us, uint32_t *events) {
+void roburoc4_drive_status(drive *d, const roburoc4_config *config,
+                           const roburoc4_differential_status *s, bool overridden,
+                           const roburoc4_private_link *l, uint32_t now_us, uint32_t *events) {
     const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
+    const bool zero = nearly_zero(reported[LINEAR]) && nearly_zero(reported[ANGULAR]);
     age_envelope(d, config->robot_watchdog_ms * MS, now_us);
     const bool ours =
-        (nearly_zero(reported[LINEAR]) && nearly_zero(reported[ANGULAR])) ||
-        (is_ours(d, LINEAR, reported[LINEAR]) && is_ours(d, ANGULAR, reported[ANGULAR]));
+        zero || (is_ours(d, LINEAR, reported[LINEAR]) && is_ours(d, ANGULAR, reported[ANGULAR]));
     watch_other_commander(d, config, ours || overridden, events);
     if (overridden) {
         d->confirmed = 0; /* the robot ignores commands now */
         d->echo_due = 0;
     } else {
-        watch_targets(d, config, reported, ours, age_us, now_us, events);
+        watch_targets(d, config, reported, zero, ours, l, now_us, events);
     }
-    watch_following(d, f, s, !overridden && has_target(d, reported), events);
+    /* it has a target to follow, of ours or of another commander */
+    const bool expected =
+        !overridden &&
+        (d->lease_active || (!zero && is_finite(reported[LINEAR]) && is_finite(reported[ANGULAR])));
+    watch_following(d, s, expected, events);
 }
 
 void roburoc4_drive_rebase(drive *d, uint32_t now_us) {

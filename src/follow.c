@@ -10,7 +10,8 @@
 #include "bytes.h"
 #include "internal.h"
 
-#define ONE 65536
+#define FIXED_BITS 16
+#define ONE (INT32_C(1) << FIXED_BITS)
 #define LARGEST (32 * ONE)
 /* Averages are taken over two to the power of this many cycles. Bounds come back in so many: longer
  * where the robot has to become faster, as it may be slow to start. */
@@ -29,24 +30,13 @@ static const int32_t tolerance[AXES] = {ONE / 10, ONE / 5};
 /* Slower than this is no motion, so targets of twice as much can be watched. */
 static const int32_t slowest_motion[AXES] = {ONE / 200, ONE / 50};
 
-/* Values of watching: a robot that is armed is at rest, give or take the tolerance. */
-enum { WATCHING_NOTHING, WATCHING_FROM_REST, WATCHING };
-
-/** Rounded towards zero; infinity and NaN are the largest numbers. */
-static int32_t fixed_from(float value) {
-    const uint32_t bits = bits_from_f32(value);
-    const uint32_t exponent = bits >> 23 & 0xFF;
-    int32_t size = 0;
-    if (exponent >= 127 + 5) {
-        size = LARGEST;
-    } else if (exponent >= 127 - 16) {
-        size = (int32_t)(((bits & 0x7FFFFFU) | 0x800000U) >> (127 + 7 - exponent));
-    }
-    return bits >> 31 != 0 ? -size : size;
-}
-
 static int32_t bounded(int32_t value, int32_t most) {
     return value > most ? most : value < -most ? -most : value;
+}
+
+/** A speed as a fixed-point number; NaN is the largest. */
+static int32_t fixed_from(float value) {
+    return bounded(fixed_from_f32(value, FIXED_BITS), LARGEST);
 }
 
 /** `passed` of 2^bits parts of the way, rounded towards the beginning. A division would be a slow
@@ -72,11 +62,6 @@ void roburoc4_follow_begin(follow *f) {
     memset(f, 0, sizeof *f);
     f->cycles = cycles;
     f->watching = WATCHING_FROM_REST;
-}
-
-void roburoc4_follow_pause(follow *f, const roburoc4_differential_status *s) {
-    f->watching = WATCHING_NOTHING;
-    f->cycles = (uint32_t)s->robot_cycles;
 }
 
 /** Take a speed into the averages and bounds of an axis: whether it is out of bounds. */

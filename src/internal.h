@@ -27,9 +27,6 @@ typedef roburoc4_private_values values;
 /* 32 bits even where int has 16: products with settings are times. */
 #define MS UINT32_C(1000)
 #define SECOND UINT32_C(1000000)
-/* The range of a lease, in the configuration and in drive(). */
-#define LEASE_MIN_MS 20
-#define LEASE_MAX_MS 1000
 /* Index of the five services with a status, from IO card 0 to differential 4. */
 #define STATUS_SERVICES 5
 #define STATUS_INDEX(service) ((service)-ROBUROC4_SERVICE_IOCARD)
@@ -54,15 +51,19 @@ typedef roburoc4_private_values values;
 
 /* ---- time ---- */
 
-/* No age is longer than this. */
+/* Whenever the time passes a multiple of two to the power of AGES_BITS, no age is longer than
+ * OLDEST_US, so that none ever reaches 2^31 us. */
+#define AGES_BITS 29
 #define OLDEST_US (UINT32_C(1) << 30)
+/* Longer pauses between two calls are noted. */
+#define PAUSE_US (100 * MS)
 
 /** The time of the current call, and how long it will be until the first of the things is due of
  * which this poll asked. A poll that sends nothing has asked of everything, so that is the client's
  * deadline.
  *
  * Inside, times have 32 bits, and how long ago something was is a difference of two of them: the
- * client sees to it that none is longer than 2^31 us (roburoc4_lifecycle_see_time). Only the link
+ * client sees to it that none is longer than 2^31 us (see_time). Only the link
  * maps clocks, with 64 bits. A function that asks whether something is due takes a timer; one that
  * only notes the time takes now_us; those that take a client use private_timer, whose time is that
  * of the call. */
@@ -86,11 +87,31 @@ static inline uint32_t clipped(uint64_t span_us) {
     return span_us < UINT32_MAX ? (uint32_t)span_us : UINT32_MAX;
 }
 
-/** How many inputs of a role's kind a client stores. */
-static inline int32_t roburoc4_role_capacity(uint32_t role) {
+/* ---- the inputs that the client looks for itself ---- */
+
+/** ROBUROC4_IO_* of a role's input. */
+static inline uint32_t role_type(uint32_t role) {
+    return role == ROBUROC4_ROLE_BATTERY_V ? ROBUROC4_IO_ANALOG_INPUT : ROBUROC4_IO_DIGITAL_INPUT;
+}
+
+/** How many inputs of a role's type a client stores. */
+static inline int32_t role_capacity(uint32_t role) {
     return role == ROBUROC4_ROLE_BATTERY_V ? ROBUROC4_MAX_ANALOG_INPUTS
                                            : ROBUROC4_MAX_DIGITAL_INPUTS;
 }
+
+/** The place of a role's input in the manual's table (5.5.1). */
+static inline int32_t role_place(uint32_t role) {
+    return role == ROBUROC4_ROLE_OVERRIDE       ? ROBUROC4_DI_PAD_A
+           : role == ROBUROC4_ROLE_FRONT_BUMPER ? ROBUROC4_DI_FRONT_BUMPER
+           : role == ROBUROC4_ROLE_REAR_BUMPER  ? ROBUROC4_DI_REAR_BUMPER
+                                                : ROBUROC4_AI_BATTERY_V;
+}
+
+/** The index of the channel at a place of the manual's table, on a card with `count` channels of
+ * this type; -1 unless it has as many as the table, or one more. The table skips number 02, so with
+ * one more channel its numbers are the indexes. */
+int32_t roburoc4_table_index(uint32_t io_type, int32_t count, int32_t place);
 
 /* ---- config.c ---- */
 
@@ -134,7 +155,8 @@ void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind);
 slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round_trip_us, timer *t,
                             slot **given_up);
 /** The open request to which this answer (at least 5 bytes) or error telegram (at least 1) belongs,
- * or NULL. */
+ * or NULL. The pointer is valid until the next call that takes `requests *`: closing, cancelling
+ * and fixed-id mode use the slot anew, so copy what is needed longer. */
 slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint32_t now_us);
 void roburoc4_requests_close(requests *r, slot *s, uint32_t now_us);
 /** Texts (and in fixed-id mode all requests) wait until no answer to this one can still arrive:
@@ -175,6 +197,8 @@ void roburoc4_link_round_trip(roburoc4_private_link *l, bool text, uint32_t sent
                               uint32_t now_us);
 /** Upper bound of the last status's age; UINT32_MAX is longer than that. */
 uint32_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint64_t now_us);
+/** The same when it arrived. */
+uint32_t roburoc4_link_age_at_arrival(const roburoc4_private_link *l, uint32_t index);
 /** Whether the last status is certainly younger than `limit_us`. */
 bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us,
                          uint64_t now_us, timer *t);
@@ -192,7 +216,7 @@ enum { LINEAR, ANGULAR, AXES };
 void roburoc4_drive_start(drive *d, uint32_t now_us);
 /** Whether the robot's limits are plausible. */
 bool roburoc4_drive_limits_valid(const roburoc4_differential_properties *limits);
-void roburoc4_drive_arm(drive *d, follow *f, uint32_t *events);
+void roburoc4_drive_arm(drive *d, uint32_t *events);
 /** Grant a lease, or return why not; the caller has checked that the speeds are finite. */
 roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
                                      uint32_t now_us);
@@ -214,9 +238,10 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
                          const roburoc4_differential_properties *limits, timer *t, float *speeds,
                          uint32_t *events);
-void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
+/** A status arrived; how old it is at most, the link knows. */
+void roburoc4_drive_status(drive *d, const roburoc4_config *config,
                            const roburoc4_differential_status *status, bool overridden,
-                           uint32_t age_us, uint32_t now_us, uint32_t *events);
+                           const roburoc4_private_link *l, uint32_t now_us, uint32_t *events);
 /** The differential service has this id and its properties are known, or (known is false) it cannot
  * be driven: the old id still receives a pending stop sequence, another id nothing. */
 void roburoc4_drive_service(drive *d, bool known, uint16_t id);
@@ -229,9 +254,14 @@ bool roburoc4_drive_moving(const roburoc4_differential_status *status);
 
 /** Judge anew a robot that is at rest. */
 void roburoc4_follow_begin(follow *f);
+/* Values of watching: a robot that is armed is at rest, give or take the tolerance. */
+enum { WATCHING_NOTHING, WATCHING_FROM_REST, WATCHING };
 /** Nothing is to be judged: instead of roburoc4_follow_status(), which begins with its speed then.
  */
-void roburoc4_follow_pause(follow *f, const roburoc4_differential_status *status);
+static inline void follow_pause(follow *f, const roburoc4_differential_status *status) {
+    f->watching = WATCHING_NOTHING;
+    f->cycles = (uint32_t)status->robot_cycles;
+}
 /** Judge a status: whether the robot has not followed these targets for a while. NULL: it has none
  * to follow now. */
 bool roburoc4_follow_status(follow *f, const float *targets,
@@ -289,7 +319,8 @@ void roburoc4_discovery_text_given_up(discovery *d, uint32_t list, uint32_t inde
 
 #define TEXT_TRIES 10
 #define LATER_TEXT_TRIES 4
-/** Texts to request: of services that nothing else identifies; also of digital inputs; all. */
+/** Texts to request: of services that nothing else identifies; also of digital inputs; all. The
+ * value is how many lists are searched, in the order of roburoc4_discovery_next_text(). */
 typedef enum text_choice {
     TEXTS_OF_SERVICES = 1,
     TEXTS_THAT_DECIDE = 2,
@@ -300,11 +331,11 @@ bool roburoc4_discovery_next_text(const discovery *d, const requests *r, const i
                                   text_choice choice, ask *out);
 /** Whether all texts were answered or given up. */
 bool roburoc4_discovery_texts_passed(const discovery *d, const int32_t *io_counts);
-/** Whether those that identify services were. */
+/** Whether all texts were answered or given up that are needed to identify services. */
 bool roburoc4_discovery_services_passed(const discovery *d);
-/** Whether those of the digital inputs were. */
+/** Whether all texts of digital inputs were answered or given up. */
 bool roburoc4_discovery_inputs_passed(const discovery *d, const int32_t *io_counts);
-/** After that, allow one of the missing texts to be requested. */
+/** Once all texts were answered or given up: allow one more request for a missing one. */
 void roburoc4_discovery_ask_again(discovery *d, const int32_t *io_counts);
 /** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. In fixed-id mode, text and table must
  * agree on [A]. */
@@ -341,7 +372,7 @@ static inline uint64_t lowest_bits(uint32_t count) {
     return count < 64 ? ((uint64_t)1 << count) - 1 : UINT64_MAX;
 }
 
-static inline void count(roburoc4_client *c, uint32_t counter) {
+static inline void count_up(roburoc4_client *c, uint32_t counter) {
     if (WITH_STATISTICS) {
         c->private_counters[counter]++;
     }
@@ -385,7 +416,8 @@ static inline uint32_t probe_period_us(const roburoc4_client *c) {
 
 /* ---- client.c: the states, and what ends with them ---- */
 
-/** The remembered deadline is no longer valid. */
+/** The remembered deadline is no longer valid. Whoever makes something due earlier calls this: all
+ * that changes a state, a lease, a request or a time that poll_all() asks of, outside of a poll. */
 static inline void wake(roburoc4_client *c) {
     c->private_idle_until_us = 0;
 }
@@ -404,9 +436,20 @@ void roburoc4_lifecycle_connect(roburoc4_client *c, uint32_t state);
 void roburoc4_lifecycle_lose(roburoc4_client *c);
 /** The robot restarted: discover it again. */
 void roburoc4_lifecycle_reboot(roburoc4_client *c);
-/** The door: here times have 64 bits. */
+/** Before the time becomes now_us: it went back, the program paused, or ages must be limited. */
+void roburoc4_lifecycle_jump(roburoc4_client *c, uint64_t now_us);
+/** The door, where times have 64 bits: every public call with a time that may change something
+ * begins with this. */
+static inline void see_time(roburoc4_client *c, uint64_t now_us) {
+    if (now_us - c->private_now_us >= PAUSE_US || (now_us ^ c->private_now_us) >> AGES_BITS != 0) {
+        roburoc4_lifecycle_jump(c, now_us);
+    }
+    c->private_now_us = now_us;
+    c->private_timer.now_us = (uint32_t)now_us;
+}
+/** The same, not inlined. */
 void roburoc4_lifecycle_see_time(roburoc4_client *c, uint64_t now_us);
-/** Every public call with a time that may change something begins with this. */
+/** The same for a call that makes something due. */
 static inline void begin_call(roburoc4_client *c, uint64_t now_us) {
     roburoc4_lifecycle_see_time(c, now_us);
     wake(c);

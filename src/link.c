@@ -129,15 +129,15 @@ static void learn_period(service *s, uint16_t gap) {
     }
 }
 
-static void count_gap(service *s, uint64_t gap) {
+static void mark_seen(service *s, uint64_t gap) {
     s->seen = gap < SEEN_BITS ? s->seen << gap | 1 : 1;
-    if (!WITH_STATISTICS || gap > LONGEST_GAP) {
-        return;
-    }
-    learn_period(s, (uint16_t)gap);
+}
+
+/** The statuses of the periods since the last one: this one came, those in between are missing. */
+static void count_periods(service *s, uint16_t gap) {
     uint32_t steps = 1;
     if (gap > s->period_cycles) { /* otherwise nothing is missing */
-        steps = ((uint32_t)gap + s->period_cycles / 2U) / s->period_cycles;
+        steps = (gap + s->period_cycles / 2U) / s->period_cycles;
         s->lost += steps - 1;
         s->recent_lost = (uint16_t)(s->recent_lost + steps - 1); /* both are small */
     }
@@ -159,6 +159,15 @@ static void measure_jitter(service *s, uint64_t transit) {
     const uint32_t change = (uint32_t)(transit - transit_of(s->robot_cycles, s->received_us));
     const uint32_t deviation = change < 0x80000000U ? change : 0U - change;
     s->jitter_us = s->jitter_us - s->jitter_us / 16 + deviation / 16;
+}
+
+/** What the time since the last status tells of period, loss and jitter. */
+static void measure(service *s, uint64_t gap, uint64_t transit) {
+    measure_jitter(s, transit);
+    if (gap <= LONGEST_GAP) {
+        learn_period(s, (uint16_t)gap);
+        count_periods(s, (uint16_t)gap);
+    }
 }
 
 /** By how much this transit time exceeds the shortest one. */
@@ -379,9 +388,10 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
         }
         return VERDICT_OLD;
     } else {
-        count_gap(s, robot_cycles - s->robot_cycles);
+        const uint64_t gap = robot_cycles - s->robot_cycles;
+        mark_seen(s, gap);
         if (WITH_STATISTICS) {
-            measure_jitter(s, transit);
+            measure(s, gap, transit);
         }
     }
     learn_times(l, s, transit, newest, now_us);
@@ -414,6 +424,10 @@ uint32_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint6
     return clipped(now_us - s->received_us +
                    lateness(l, transit_of(s->robot_cycles, s->received_us)) + l->floor_age_us +
                    drifted_us(l, s->received_us));
+}
+
+uint32_t roburoc4_link_age_at_arrival(const roburoc4_private_link *l, uint32_t index) {
+    return roburoc4_link_age(l, index, l->services[index].received_us);
 }
 
 bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us,

@@ -183,16 +183,6 @@ static const char *table_name(uint32_t io_type, uint32_t index) {
 
 /* ---- the channels of a robot's card ---- */
 
-/** Inputs that the client looks for itself, by their place in the manual's table. */
-static const struct {
-    uint8_t io_type, place;
-} roles[ROBUROC4_ROLE_COUNT] = {
-    {ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_PAD_A},
-    {ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_FRONT_BUMPER},
-    {ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_REAR_BUMPER},
-    {ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_AI_BATTERY_V},
-};
-
 /** How many channels of a type the card has, or an error. */
 static roburoc4_result channel_count(const roburoc4_client *client, uint32_t io_type) {
     if (io_type > ROBUROC4_IO_DIGITAL_OUTPUT) {
@@ -204,19 +194,13 @@ static roburoc4_result channel_count(const roburoc4_client *client, uint32_t io_
     return client->private_values.io_counts[io_type];
 }
 
-/** A channel's place in the manual's table, or -1. The table skips number 02, so on a card with one
- * more channel its numbers are literal. */
+/** A channel's place in the manual's table, or -1. */
 static int32_t manual_place(uint32_t io_type, int32_t count, uint32_t index) {
-    static const uint8_t places[] = {ROBUROC4_AI_COUNT, ROBUROC4_AO_COUNT, ROBUROC4_DI_COUNT,
-                                     ROBUROC4_DO_COUNT};
-    const int32_t place = (int32_t)index;
-    if (index >= (uint32_t)count) {
-        return -1;
+    int32_t place = 0;
+    while (place < count && roburoc4_table_index(io_type, count, place) != (int32_t)index) {
+        place++;
     }
-    if (count == places[io_type] || (count == places[io_type] + 1 && place < 2)) {
-        return place;
-    }
-    return count == places[io_type] + 1 && place > 2 ? place - 1 : -1;
+    return place < count && index < (uint32_t)count ? place : -1;
 }
 
 const char *roburoc4_client_channel_name(const roburoc4_client *client, uint32_t io_type,
@@ -228,12 +212,12 @@ const char *roburoc4_client_channel_name(const roburoc4_client *client, uint32_t
     int32_t place = count > 0 ? manual_place(io_type, count, index) : -1;
     for (uint32_t role = 0; count > 0 && role < ROBUROC4_ROLE_COUNT; role++) {
         const int32_t found = roburoc4_client_role_index(client, role);
-        if (roles[role].io_type != io_type || found < 0) {
+        if (role_type(role) != io_type || found < 0) {
             continue;
         }
         if ((uint32_t)found == index) {
-            place = roles[role].place;
-        } else if (place == roles[role].place) {
+            place = role_place(role);
+        } else if (place == role_place(role)) {
             place = -1; /* the table's input for this place is elsewhere */
         }
     }
@@ -274,8 +258,8 @@ static const char *name_of(const roburoc4_client *client, uint32_t io_type, uint
 static int32_t find_by_role(const roburoc4_client *client, uint32_t io_type, const char *name) {
     for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
         const int32_t index = roburoc4_client_role_index(client, role);
-        if (roles[role].io_type == io_type && index >= 0 &&
-            same_words(piece_of(name), piece_of(table_name(io_type, roles[role].place)))) {
+        if (role_type(role) == io_type && index >= 0 &&
+            same_words(piece_of(name), piece_of(table_name(io_type, (uint32_t)role_place(role))))) {
             return index;
         }
     }

@@ -124,21 +124,26 @@ static roburoc4_result take_properties(client *c, uint32_t service, const uint8_
  * Most statuses of a ready robot only postpone time-outs. So they do not wake() the client, unless
  * they end driving, end a stop sequence, or make the override known or unknown. */
 
-/** Count a status; true if it is newer than the last of its service. */
-static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
+/** A status shows that the robot restarted, or is another one. */
+static void see_reboot(client *c, uint64_t robot_cycles) {
+    forget_override(c);
+    if (c->private_state != ROBUROC4_STATE_CLOSING) {
+        roburoc4_lifecycle_reboot(c);
+        roburoc4_link_overhear(&c->private_link, robot_cycles, c->private_now_us);
+    }
+}
+
+/** Pass a status to the link; an error unless it counts. */
+static roburoc4_result judge(client *c, uint32_t service, uint64_t robot_cycles) {
     roburoc4_private_link *l = &c->private_link;
     const uint64_t floor_us = l->floor_us;
-    const verdict age = roburoc4_link_status(l, &l->services[STATUS_INDEX(service)], robot_cycles,
-                                             c->private_now_us);
-    if (age != VERDICT_NEW) {
-        if (age == VERDICT_REBOOT) {
-            forget_override(c);
-            if (c->private_state != ROBUROC4_STATE_CLOSING) {
-                roburoc4_lifecycle_reboot(c);
-                roburoc4_link_overhear(l, robot_cycles, c->private_now_us);
-            }
-        }
-        return false;
+    const verdict judged = roburoc4_link_status(l, &l->services[STATUS_INDEX(service)],
+                                                robot_cycles, c->private_now_us);
+    if (judged == VERDICT_REBOOT) {
+        see_reboot(c, robot_cycles);
+    }
+    if (judged != VERDICT_NEW) {
+        return ROBUROC4_ERR_OLD;
     }
     if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
         roburoc4_subscriptions_accepted(&c->private_subscriptions, service);
@@ -148,7 +153,7 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
         wake(c); /* the statuses of other services are older than assumed */
     }
     raise_event(c, (uint32_t)ROBUROC4_EVENT_IOCARD << STATUS_INDEX(service));
-    return true;
+    return ROBUROC4_OK;
 }
 
 /** The first 64 digital inputs, bit i for input i; the last block may have bits of no input. */
@@ -242,16 +247,11 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     drive *d = &c->private_drive;
     const uint8_t armed = d->armed;
     v->differential = *status;
-    c->private_conditions.moving = roburoc4_drive_moving(status);
     if (c->private_outputs.relocalizing) {
         roburoc4_schedule_watch_pose(c);
     }
-    roburoc4_drive_status(d, &c->private_follow, &c->private_config, &v->differential,
-                          c->private_conditions.overridden,
-                          roburoc4_link_age(&c->private_link,
-                                            STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
-                                            c->private_now_us),
-                          c->private_timer.now_us, &c->private_events);
+    roburoc4_drive_status(d, &c->private_config, &v->differential, c->private_conditions.overridden,
+                          &c->private_link, c->private_timer.now_us, &c->private_events);
     if (d->stopping || d->armed != armed) {
         wake(c);
     }
@@ -278,12 +278,13 @@ static roburoc4_result receive_status(client *c, const uint8_t *data, size_t siz
         service_with_id(d, c->private_subscriptions.inserted, load_u16(data + 1));
     values *v = &c->private_values;
     any_status status;
-    const roburoc4_result result = decode_status(c, service, data, size, &status);
+    const roburoc4_result surplus = decode_status(c, service, data, size, &status);
+    if (surplus < 0) {
+        return surplus;
+    }
+    const roburoc4_result result = judge(c, service, status.robot_cycles);
     if (result < 0) {
         return result;
-    }
-    if (!is_new(c, service, status.robot_cycles)) {
-        return ROBUROC4_ERR_OLD;
     }
     switch (service) {
     case ROBUROC4_SERVICE_IOCARD:
@@ -304,7 +305,7 @@ static roburoc4_result receive_status(client *c, const uint8_t *data, size_t siz
         take_speeds(c, &status.differential);
         break;
     }
-    return result;
+    return surplus;
 }
 
 /** A status that was not subscribed to yet: an earlier client subscribed to it. */
@@ -443,8 +444,9 @@ static void contradict(client *c, const uint8_t *data, size_t size, bool bad) {
     }
 }
 
-/** The request to which an answer belongs, or NULL; answers may show that all have the same id. */
-static slot *match(client *c, const uint8_t *data, size_t size) {
+/** The request to which an answer belongs, or NULL. The answer may begin or end fixed-id mode, and
+ * then other texts are believed. */
+static slot *find_request(client *c, const uint8_t *data, size_t size) {
     const requests *r = &c->private_requests;
     const bool fixed_id = in_fixed_id_mode(r);
     const bool single_texts = r->single_texts != 0;
@@ -453,7 +455,7 @@ static slot *match(client *c, const uint8_t *data, size_t size) {
         wake(c);
     }
     if (fixed_id != in_fixed_id_mode(r)) {
-        forget_override(c); /* other texts are believed now */
+        forget_override(c);
         if (fixed_id) {
             roburoc4_discovery_read_texts_again(&c->private_discovery);
         }
@@ -480,7 +482,7 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
     if (size < 5 && !bad) {
         return ROBUROC4_ERR_SHORT;
     }
-    slot *s = match(c, data, size);
+    slot *s = find_request(c, data, size);
     if (s == NULL) {
         if (WITH_TEXTS) {
             contradict(c, data, size, bad);
@@ -495,7 +497,7 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
                                  s->sent_us, c->private_timer.now_us);
     }
     if (bad) {
-        count(c, ROBUROC4_COUNT_REFUSED);
+        count_up(c, ROBUROC4_COUNT_REFUSED);
     }
     if (bad && s->ask.max_tries == REQUEST_FOREVER) {
         return ROBUROC4_OK; /* without a directory there is no robot: the request stays open and is
@@ -512,19 +514,19 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
 static void count_drop(client *c, roburoc4_result why) {
     switch (why) {
     case ROBUROC4_ERR_SHORT:
-        count(c, ROBUROC4_COUNT_SHORT);
+        count_up(c, ROBUROC4_COUNT_SHORT);
         break;
     case ROBUROC4_ERR_UNMATCHED:
-        count(c, ROBUROC4_COUNT_UNMATCHED);
+        count_up(c, ROBUROC4_COUNT_UNMATCHED);
         break;
     case ROBUROC4_ERR_UNSUBSCRIBED:
-        count(c, ROBUROC4_COUNT_UNSUBSCRIBED);
+        count_up(c, ROBUROC4_COUNT_UNSUBSCRIBED);
         break;
     case ROBUROC4_ERR_OLD:
-        count(c, ROBUROC4_COUNT_OLD);
+        count_up(c, ROBUROC4_COUNT_OLD);
         break;
     default:
-        count(c, ROBUROC4_COUNT_MALFORMED);
+        count_up(c, ROBUROC4_COUNT_MALFORMED);
         break;
     }
 }
@@ -535,8 +537,8 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
     if (c->private_state == ROBUROC4_STATE_IDLE) {
         return ROBUROC4_ERR_STATE;
     }
-    roburoc4_lifecycle_see_time(c, now_us);
-    count(c, ROBUROC4_COUNT_RECEIVED);
+    see_time(c, now_us);
+    count_up(c, ROBUROC4_COUNT_RECEIVED);
     c->private_discovery.described_kind = 0;
     if (size >= STATUS_HEAD && datagram[0] == ROBUROC4_HEADER_STATUS) {
         result = receive_status(c, datagram, size);
@@ -556,7 +558,7 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
         return result;
     }
     if (result > 0) {
-        count(c, ROBUROC4_COUNT_SURPLUS);
+        count_up(c, ROBUROC4_COUNT_SURPLUS);
     }
     c->private_link.last_used_us = (uint32_t)now_us;
     return result;

@@ -331,7 +331,7 @@ static bool may_send(client *c, slot *s) {
 }
 
 static void give_up(client *c, const slot *s) {
-    count(c, ROBUROC4_COUNT_ABANDONED);
+    count_up(c, ROBUROC4_COUNT_ABANDONED);
     roburoc4_schedule_failed(c, s, ROBUROC4_ERR_TIMEOUT);
     if (c->private_state != ROBUROC4_STATE_READY) {
         /* find out whether only this service is silent */
@@ -361,7 +361,7 @@ roburoc4_result roburoc4_schedule_poll(client *c, uint8_t *buffer, size_t capaci
         if (s != NULL) {
             if (may_send(c, s)) {
                 if (s->tries > 1) {
-                    count(c, ROBUROC4_COUNT_RETRIES);
+                    count_up(c, ROBUROC4_COUNT_RETRIES);
                 }
                 return encode_request(c, s, buffer, capacity);
             }
