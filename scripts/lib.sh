@@ -264,8 +264,7 @@ compile() {
     if [ $# -gt 0 ]; then
         set -- --target "$@"
     fi
-    # What runs in real time beside it comes first.
-    nice cmake --build "$tree" --config RelWithDebInfo --parallel "$(jobs)" "$@"
+    $aside cmake --build "$tree" --config RelWithDebInfo --parallel "$(jobs)" "$@"
 }
 
 # logged LOG COMMAND...: run it with its output in LOG; its exit status is $logged_status.
@@ -282,9 +281,12 @@ logged() {
     set -e
 }
 
-# begin_beside SCRIPT: run it beside the stages that follow; its lines appear among theirs.
+# begin_beside SCRIPT: run it beside the stages that follow; its lines appear among theirs. It runs in
+# real time, so they compute only what it leaves: $aside.
 # end_beside: wait for it, and fail if it failed.
+aside=
 begin_beside() {
+    aside='nice -n 19'
     beside_script=$1
     # In a session of its own, so that all of it can be ended.
     ROBUROC4_BESIDE=yes env --default-signal setsid "$1" </dev/null &
@@ -296,6 +298,7 @@ begin_beside() {
 
 end_beside() {
     wait "$beside_pid" || fail "$beside_script failed: see above"
+    aside=
     trap - EXIT INT TERM HUP
 }
 

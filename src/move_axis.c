@@ -43,7 +43,7 @@ enum { COMMANDED, COVERED, SPEED, SIGNALS };
 #define DRIFT_M2_S 2e-6F
 /* The gain may be larger by so many standard deviations, but no gain is farther from 1. */
 #define CAUTION 0.96F
-#define GAIN_RANGE 0.2F
+#define GAIN_RANGE 0.5F
 /* Time constant of the approach to the goal, and how it grows with the doubt. */
 #define APPROACH_S 0.072F
 #define APPROACH_S_PER_M 4.0F
