@@ -589,7 +589,7 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
                 "the last zero left " + ms_text(now.true_us - stop_.last_zero_us) + " ago");
     const std::uint64_t watchdog = milliseconds(config_.robot_watchdog_ms);
     const std::uint64_t longest = std::max(watchdog, 3 * period) + 3 * period;
-    if (now.true_us - std::max(stop_.first_zero_us, stop_.again_us) > longest &&
+    if (now.true_us - std::max({stop_.first_zero_us, stop_.again_us, known_us_}) > longest &&
         report.state != ROBUROC4_STATE_SUBSCRIBING)
         violate(Promise::stop_ends, now.true_us,
                 "the stop sequence lasts " + ms_text(now.true_us - stop_.due_us));
