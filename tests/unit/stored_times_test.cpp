@@ -65,7 +65,7 @@ std::uint32_t value(const roburoc4_client &client, const StoredTime &time) {
 
 /* Each is set to now, and so is what makes some of them count. */
 TEST(StoredTimes, NoneIsKeptForAsLongAsItsBitsHold) {
-    for (const std::uint64_t asleep_s : {10, 1800, 4200}) { /* between two polls */
+    for (const std::uint64_t asleep_s : {10U, 1800U, 4200U}) { /* between two polls */
         SCOPED_TRACE(asleep_s);
         ScriptedRobot robot;
         Bench bench(robot);
