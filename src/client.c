@@ -198,7 +198,9 @@ void roburoc4_lifecycle_jump(client *c, uint64_t now_us) {
     if (now_us - c->private_now_us >= PAUSE_US) {
         roburoc4_link_pause(&c->private_link, now_us - c->private_now_us);
     }
-    limit_ages(c, now_us);
+    if ((now_us ^ c->private_now_us) >> AGES_BITS != 0) {
+        limit_ages(c, now_us);
+    }
 }
 
 void roburoc4_lifecycle_see_time(client *c, uint64_t now_us) {
