@@ -371,12 +371,11 @@ typedef struct roburoc4_facts {
     uint8_t missing; /* subscriptions without data: bits 1u << ROBUROC4_SERVICE_* of services that
                         the robot does not list, or whose subscription it refused */
     uint8_t reserved[2];
-    int32_t disarm_cause;                      /* why the client is not armed; 0 while armed */
-    int32_t arm_refusal;                       /* what roburoc4_client_arm() would return */
-    int32_t relocalize_result;                 /* of the last one: 0, ROBUROC4_ERR_TIMEOUT, _MOVING,
-                                                  _STALE_DIFFERENTIAL or _ROBOT; _UNKNOWN before the first, and
-                                                  until it is answered */
-    uint32_t lease_left_us;                    /* 0 when not driving */
+    int32_t disarm_cause;      /* why the client is not armed; 0 while armed */
+    int32_t arm_refusal;       /* what roburoc4_client_arm() would return */
+    int32_t relocalize_result; /* of roburoc4_client_relocalize(): 0, or why it failed;
+                                  ROBUROC4_ERR_UNKNOWN before the first, and until it is answered */
+    uint32_t lease_left_us;    /* 0 when not driving */
     float sent_linear_m_s, sent_angular_rad_s; /* the last speeds sent; 0 after a stop */
     uint32_t age_us[8]; /* by ROBUROC4_SERVICE_*: how old the last status can be at most, now;
                            UINT32_MAX if there is none, or it is from before the robot was found */
@@ -498,8 +497,8 @@ ROBUROC4_API roburoc4_result roburoc4_client_set_analog_output(roburoc4_client *
  *  moved, the pose is an old one: the request is not repeated, and fails (relocalize_result:
  *  ROBUROC4_ERR_MOVING) unless the first is answered within 0.25 s; the robot may have taken it.
  *  The same after a time without fresh statuses (ROBUROC4_ERR_STALE_DIFFERENTIAL, or _TIMEOUT
- *  without an answer). A later call replaces it. It ends with ROBUROC4_EVENT_RELOCALIZED or
- *  _RELOCALIZE_FAILED. ROBUROC4_ERR_NOT_FINITE, _NOT_READY, _UNKNOWN
+ *  without an answer), or where the robot refuses (_ROBOT). A later call replaces it. It ends with
+ * ROBUROC4_EVENT_RELOCALIZED or _RELOCALIZE_FAILED. ROBUROC4_ERR_NOT_FINITE, _NOT_READY, _UNKNOWN
  * (no localization service). */
 ROBUROC4_API roburoc4_result roburoc4_client_relocalize(roburoc4_client *client, double x_m,
                                                         double y_m, double theta_rad,

@@ -25,8 +25,7 @@ LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1136);
 
 /* The longest wait before a request is repeated while the client is not ready. */
 #define PATIENCE_US (5 * SECOND)
-/* The same where only texts are left to request, one at a time, each of which may stay unanswered.
- */
+/* The same where only texts are left to request, one at a time, and each may stay unanswered. */
 #define TEXT_PATIENCE_US (15 * SECOND)
 #define RELOCALIZE_US (2 * SECOND)
 #define OUTPUT_PAUSE_US (50 * MS)

@@ -447,7 +447,7 @@ static inline void see_time(roburoc4_client *c, uint64_t now_us) {
     c->private_now_us = now_us;
     c->private_timer.now_us = (uint32_t)now_us;
 }
-/** The same, not inlined. */
+/** The same for calls that are rare: not inlined, which is smaller. */
 void roburoc4_lifecycle_see_time(roburoc4_client *c, uint64_t now_us);
 /** The same for a call that makes something due. */
 static inline void begin_call(roburoc4_client *c, uint64_t now_us) {

@@ -391,6 +391,36 @@ class ScriptedRobot : public Partner {
     std::vector<Bytes> queue_;
 };
 
+/** Sends each datagram as late as late_us() says. */
+class LateRobot : public ScriptedRobot {
+  public:
+    std::vector<Bytes> take() override {
+        for (const Bytes &bytes : ScriptedRobot::take())
+            held_.emplace(at_us_ + late_us(bytes), sent_as(bytes));
+        std::vector<Bytes> due;
+        for (; !held_.empty() && held_.begin()->first <= at_us_; held_.erase(held_.begin()))
+            due.push_back(held_.begin()->second);
+        return due;
+    }
+    void advance(std::uint64_t now_us) override {
+        at_us_ = now_us;
+        ScriptedRobot::advance(now_us);
+    }
+    [[nodiscard]] std::uint64_t next_us() const override {
+        const std::uint64_t next = ScriptedRobot::next_us();
+        return held_.empty() ? next : std::min(next, held_.begin()->first);
+    }
+
+  private:
+    virtual std::uint64_t late_us(const Bytes &datagram) = 0;
+    virtual Bytes sent_as(Bytes datagram) {
+        return datagram;
+    }
+
+    std::uint64_t at_us_ = 0;
+    std::multimap<std::uint64_t, Bytes> held_;
+};
+
 } // namespace roburoc4_tests
 
 #endif

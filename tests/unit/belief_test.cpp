@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <map>
 
 #include "client_bench.h"
 
@@ -186,37 +185,19 @@ namespace {
 
 /** Delays statuses, and answers if `all`, by `queue_us`, and answers by what `answer_us` says. Its
  *  clock is fast by `ppm`. */
-struct QueueingRobot : ScriptedRobot {
+struct QueueingRobot : LateRobot {
     std::uint64_t queue_us = 0;
     bool all = false;
     std::int64_t ppm = 0;
     std::function<std::uint64_t(const Bytes &)> answer_us = [](const Bytes &) { return 0; };
 
-    std::vector<Bytes> take() override {
-        for (Bytes &bytes : ScriptedRobot::take()) {
-            if (is_status(bytes))
-                held_.emplace(at_us_ + queue_us, stamped(bytes));
-            else
-                held_.emplace(at_us_ + (all ? queue_us : 0) + answer_us(bytes), bytes);
-        }
-        std::vector<Bytes> due;
-        while (!held_.empty() && held_.begin()->first <= at_us_) {
-            due.push_back(held_.begin()->second);
-            held_.erase(held_.begin());
-        }
-        return due;
-    }
-    void advance(std::uint64_t now_us) override {
-        at_us_ = now_us;
-        ScriptedRobot::advance(now_us);
-    }
-    [[nodiscard]] std::uint64_t next_us() const override {
-        const std::uint64_t next = ScriptedRobot::next_us();
-        return held_.empty() ? next : std::min(next, held_.begin()->first);
-    }
-
   private:
-    Bytes stamped(Bytes bytes) const {
+    std::uint64_t late_us(const Bytes &bytes) override {
+        return is_status(bytes) ? queue_us : (all ? queue_us : 0) + answer_us(bytes);
+    }
+    Bytes sent_as(Bytes bytes) override {
+        if (!is_status(bytes))
+            return bytes;
         std::uint64_t cycles = 0;
         for (int i = 7; i >= 0; i--)
             cycles = cycles << 8 | bytes[static_cast<std::size_t>(3 + i)];
@@ -226,8 +207,6 @@ struct QueueingRobot : ScriptedRobot {
             bytes[static_cast<std::size_t>(3 + i)] = static_cast<std::uint8_t>(cycles >> (8 * i));
         return bytes;
     }
-    std::uint64_t at_us_ = 0;
-    std::multimap<std::uint64_t, Bytes> held_;
 };
 
 /** Stamps of the services that measure motion are 15 cycles older than the others. */

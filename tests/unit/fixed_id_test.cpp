@@ -209,33 +209,18 @@ namespace {
 
 /** Answers no other id than 0x01, and only its texts say which service is which: after 0.6 s, or
  *  never. */
-struct SlowTexts : ScriptedRobot {
+struct SlowTexts : LateRobot {
     explicit SlowTexts(bool silent) {
         only_manual_id = always_manual_id = true;
         texts_silent = silent;
         for (ScriptedService &service : services)
             service.type = 0;
     }
-    std::vector<Bytes> take() override {
-        for (const Bytes &bytes : ScriptedRobot::take())
-            held_.emplace(at_us_ + (is_text_answer(bytes) ? 600 * ms : 0), bytes);
-        std::vector<Bytes> due;
-        for (; !held_.empty() && held_.begin()->first <= at_us_; held_.erase(held_.begin()))
-            due.push_back(held_.begin()->second);
-        return due;
-    }
-    void advance(std::uint64_t now_us) override {
-        at_us_ = now_us;
-        ScriptedRobot::advance(now_us);
-    }
-    [[nodiscard]] std::uint64_t next_us() const override {
-        const std::uint64_t next = ScriptedRobot::next_us();
-        return held_.empty() ? next : std::min(next, held_.begin()->first);
-    }
 
   private:
-    std::uint64_t at_us_ = 0;
-    std::multimap<std::uint64_t, Bytes> held_;
+    std::uint64_t late_us(const Bytes &bytes) override {
+        return is_text_answer(bytes) ? 600 * ms : 0;
+    }
 };
 
 } // namespace
