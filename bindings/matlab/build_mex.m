@@ -1,7 +1,8 @@
 function file = build_mex(api, folder)
 %BUILD_MEX Build the MEX file of the roburoc4 package, in MATLAB or Octave.
 %   build_mex() compiles the C sources of this checkout with the C compiler of mex (MATLAB) or
-%   mkoctfile (Octave), and puts the MEX file into the folder toolbox. Then add that folder to the path.
+%   mkoctfile (Octave), and puts the MEX file into the folder toolbox, beside the table by which MATLAB
+%   completes arguments. Then add that folder to the path.
 %   build_mex('-R2018a') builds for MATLAB's API with interleaved complex numbers; the default
 %   is '-R2017b'. No array here is complex, so that both are the same. Octave has one API only.
 %   FILE = build_mex(API, FOLDER) puts the MEX file into another folder.
@@ -13,7 +14,7 @@ function file = build_mex(api, folder)
 %      addpath(fullfile(pwd, 'toolbox'))
 %      sim = roburoc4.Simulator(); r = sim.connect()
 %
-%   See also mex, mkoctfile, roburoc4.Robot.
+%   See also write_signatures, mex, mkoctfile, roburoc4.Robot.
 
 % SPDX-License-Identifier: MIT
 here = fileparts(mfilename('fullpath'));
@@ -55,6 +56,11 @@ else
     mex(api, '-outdir', folder, '-output', 'roburoc4_mex', objects{:}, libraries{:});
 end
 fprintf('built %s\n', file);
+if nargin < 2
+    path_before = addpath(folder);
+    restore = onCleanup(@() path(path_before)); %#ok<NASGU>
+    write_signatures(folder);
+end
 end
 
 function objects = compile(source, others, folder, include, api, octave)
