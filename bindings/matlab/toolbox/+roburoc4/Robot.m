@@ -41,8 +41,9 @@ classdef Robot < handle
 %   only reads never commands the robot.
 %
 %   Units are SI and radians; X is forward, Y left, angles counter-clockwise. Errors have the ids
-%   roburoc4:badArgument, :closed, :limit, :moveEnded, :network, :notArmed,
-%   :protocol and :timeout.
+%   roburoc4:badArgument, :closed, :limit (too many objects or statuses, a full disk, limits of the
+%   robot that are not usable), :moveEnded, :network, :notArmed, :notBuilt (no MEX file for this
+%   program), :protocol (the robot refused, or has not reported the value yet) and :timeout.
 %
 %   Robot methods:
 %      drive           - Drive at two speeds, for one lease
@@ -80,23 +81,43 @@ classdef Robot < handle
 %      time_s          - Seconds since the robot was connected
 %      start_utc_s     - UTC when time_s was 0, in seconds since 1970
 %   pose and speeds are NaN when they are older than fresh_ms (300); the time_s of pose is when
-%   the robot measured it. docs/matlab.md explains the fields of the structs, which are:
-%      status          - time_s, ready, armed, driving, lapsed, stopping, stop_outcome,
-%                        disarm_cause, disarm_text, overridden, other_commander, inhibited,
-%                        front_bumper, rear_bumper, battery_low, missing, x_m, y_m, theta_rad,
-%                        localization_flags, target_linear_m_s, current_linear_m_s,
-%                        target_angular_rad_s, current_angular_rad_s, distances_m, battery_state,
-%                        remaining_percent, iocard_age_s, telemeter_age_s, battery_age_s,
-%                        localization_age_s, differential_age_s, robot_cycles
-%      info            - max_linear_m_s, min_linear_m_s, max_angular_rad_s, min_angular_rad_s,
-%                        max_linear_m_s2, min_linear_m_s2, max_angular_rad_s2, min_angular_rad_s2,
-%                        width_m, nominal_voltage_v, capacity_ah, minimum_percent, power_on_x_m,
-%                        power_on_y_m, power_on_theta_rad, analog_inputs, analog_outputs,
-%                        digital_inputs, digital_outputs, telemeter_x_m, telemeter_y_m,
-%                        telemeter_theta_rad, telemeter_field_of_view_rad,
-%                        telemeter_min_distance_m, telemeter_max_distance_m, service_ids,
-%                        service_types
-%      link            - round_trip_s, round_trip_min_s, silence_s, received, lost, loss
+%   the robot measured it. What is not known is NaN, or 255 in a uint8.
+%   The fields of the structs, which are:
+%      status: time_s                  seconds since the robot was connected
+%              ready, armed            the robot answers; drive is accepted
+%              driving, stopping       a lease is active; the stop sequence runs
+%              lapsed                  the last lease expired, and drive was not called since
+%              stop_outcome            of the last stop sequence: none, running, confirmed by the
+%                                      robot, timed out, overridden ([A] was held)
+%              disarm_cause, disarm_text   why it is not armed: one of roburoc4.Result; a sentence
+%              overridden              [A] on the game pad is held
+%              other_commander         another commander drives the robot
+%              inhibited               the robot does not move although a speed is commanded
+%              front_bumper, rear_bumper, battery_low   pressed; below minimum_percent, or critical
+%              missing                 services that send nothing, such as 'telemeter battery'
+%              x_m, y_m, theta_rad     odometry
+%              localization_flags      bits of roburoc4.LocalizationFlag
+%              target_linear_m_s, target_angular_rad_s     commanded speeds
+%              current_linear_m_s, current_angular_rad_s   measured speeds
+%              distances_m             of the telemeters, a row
+%              battery_state, remaining_percent   one of roburoc4.BatteryState; 0 to 100
+%              iocard_age_s, localization_age_s, differential_age_s, telemeter_age_s, battery_age_s
+%                                      how old the last status can be at most, Inf without one; [A]
+%                                      and bumpers are of the IO card, speeds of the differential
+%              robot_cycles            the robot's clock in the latest status, 10 ms each
+%      info:   max_linear_m_s, min_linear_m_s, max_angular_rad_s, min_angular_rad_s,
+%              max_linear_m_s2, min_linear_m_s2, max_angular_rad_s2, min_angular_rad_s2
+%                                      limits of the robot's speeds and accelerations
+%              width_m                 between its wheels, left to right
+%              nominal_voltage_v, capacity_ah, minimum_percent   of the battery
+%              power_on_x_m, power_on_y_m, power_on_theta_rad    where the odometry started
+%              analog_inputs, analog_outputs, digital_inputs, digital_outputs   how many there are
+%              telemeter_x_m, telemeter_y_m, telemeter_theta_rad, telemeter_field_of_view_rad,
+%              telemeter_min_distance_m, telemeter_max_distance_m   rows, a number per telemeter
+%              service_ids, service_types   the robot's directory, rows
+%      link:   round_trip_s, round_trip_min_s   of answered requests, smoothed; 0 before the first
+%              silence_s               since the last datagram that was used
+%              received, lost, loss    statuses of all services; the share lost recently, 0 to 1
 %
 %   Example:
 %      r = roburoc4.Robot('192.168.0.2', 'max_linear_m_s', 0.5);
