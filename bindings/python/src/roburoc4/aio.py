@@ -15,7 +15,7 @@ import asyncio
 import contextlib
 import threading
 import weakref
-from collections.abc import AsyncIterator, Callable, Generator
+from collections.abc import AsyncIterator, Callable, Coroutine, Generator
 from inspect import iscoroutinefunction
 from typing import Any, Literal, Self, TypeVar, Unpack, overload
 
@@ -23,7 +23,8 @@ from . import _native
 from .connection import ALL_EVENTS, Connection, EventReader
 from .constants import DEFAULT_HOST, Event, Service
 from .errors import ClosedError, duration_s, finite, function, switch, timeout_s
-from .moves import Move, MoveOptions, MoveResult, Progress, arc_options
+from .moves import Move, MoveResult, Progress
+from .moving import Moving
 from .pump import PumpConnection
 from .records import (
     BatteryStatus,
@@ -105,7 +106,7 @@ def _listen(
                 return  # the loop is closed
 
 
-class Robot(RobotBase):
+class Robot(RobotBase, Moving[Coroutine[Any, Any, MoveResult]]):
     """A connected robot for asyncio; see :func:`connect`. It belongs to the loop that made it."""
 
     def __init__(self, connection: Connection, settings: Settings) -> None:
@@ -225,85 +226,6 @@ class Robot(RobotBase):
                 self._renew(0.0, 0.0)
             finally:
                 self.pause()
-
-    async def move(
-        self,
-        distance_m: float,
-        *,
-        speed: float | None = None,
-        clearance: float | None = None,
-        timeout: float | None = None,
-        on_progress: Progress | None = None,
-    ) -> MoveResult:
-        """See :meth:`roburoc4.Robot.move`; cancelling it stops the robot."""
-        options = MoveOptions(speed, None, clearance, timeout)
-        return await self._go(Move(self._connection, options).by(distance_m, 0.0), on_progress)
-
-    async def move_for(
-        self,
-        linear_m_s: float,
-        angular_rad_s: float,
-        seconds: float,
-        *,
-        clearance: float | None = None,
-        timeout: float | None = None,
-        on_progress: Progress | None = None,
-    ) -> MoveResult:
-        """See :meth:`roburoc4.Robot.move_for`."""
-        options = MoveOptions(None, None, clearance, timeout)
-        move = Move(self._connection, options).for_(linear_m_s, angular_rad_s, seconds)
-        return await self._go(move, on_progress)
-
-    async def turn(
-        self,
-        angle_rad: float,
-        *,
-        speed: float | None = None,
-        clearance: float | None = None,
-        timeout: float | None = None,
-        turns: bool = False,
-        on_progress: Progress | None = None,
-    ) -> MoveResult:
-        """See :meth:`roburoc4.Robot.turn`."""
-        options = MoveOptions(None, speed, clearance, timeout, turns)
-        return await self._go(Move(self._connection, options).by(0.0, angle_rad), on_progress)
-
-    async def arc(
-        self,
-        distance_m: float,
-        angle_rad: float,
-        *,
-        speed: float | None = None,
-        clearance: float | None = None,
-        timeout: float | None = None,
-        turns: bool = False,
-        on_progress: Progress | None = None,
-    ) -> MoveResult:
-        """See :meth:`roburoc4.Robot.arc`."""
-        options = arc_options(distance_m, angle_rad, speed, clearance, timeout, turns)
-        return await self._go(
-            Move(self._connection, options).by(distance_m, angle_rad), on_progress
-        )
-
-    async def goto(
-        self,
-        x_m: float,
-        y_m: float,
-        theta_rad: float | None = None,
-        *,
-        speed: float | None = None,
-        clearance: float | None = None,
-        timeout: float | None = None,
-        on_progress: Progress | None = None,
-    ) -> MoveResult:
-        """See :meth:`roburoc4.Robot.goto`."""
-        options = MoveOptions(speed, None, clearance, timeout)
-        return await self._go(Move(self._connection, options).to(x_m, y_m, theta_rad), on_progress)
-
-    async def rest(self, *, timeout: float | None = None) -> MoveResult:
-        """See :meth:`roburoc4.Robot.rest`."""
-        options = MoveOptions(None, None, None, timeout)
-        return await self._finish(Move(self._connection, options).rest())
 
     async def _go(self, move: Move, on_progress: Progress | None) -> MoveResult:
         if on_progress is not None and not iscoroutinefunction(on_progress):
