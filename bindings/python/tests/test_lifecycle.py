@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Ends of every kind, on a real socket: whatever happens to the program, the robot stops."""
 
-import ctypes
 import gc
 import os
 import resource
@@ -97,19 +96,6 @@ def test_close_can_be_called_twice_and_values_stay(served: Simulator) -> None:
     assert list(robot.statuses()) == []
 
 
-def test_close_from_another_thread_ends_a_wait(served: Simulator) -> None:
-    robot = roburoc4.connect(served.address)
-    threading.Timer(0.2, robot.close).start()
-    with pytest.raises(roburoc4.ClosedError):
-        robot.wait_for(lambda r: False, timeout=30)
-
-
-def test_close_from_another_thread_ends_an_iteration(served: Simulator) -> None:
-    robot = roburoc4.connect(served.address)
-    threading.Timer(0.2, robot.close).start()
-    assert sum(1 for _ in robot.statuses()) > 0
-
-
 def test_stop_from_another_thread_latches(served: Simulator) -> None:
     with roburoc4.connect(served.address) as robot:
         robot.arm()
@@ -147,20 +133,6 @@ def test_stop_from_another_thread_ends_a_wait_for_arming(served: Simulator) -> N
         assert caught.value.code == Result.STOPPED
         robot.sleep(0.1)
         assert not robot.facts.armed
-
-
-def test_an_interpreter_that_was_held_ends_drive_for(served: Simulator) -> None:
-    with roburoc4.connect(served.address) as robot:
-        robot.arm()
-        hold = ctypes.PyDLL(None).usleep  # keeps the interpreter's lock
-        threading.Timer(0.5, hold, [600_000]).start()
-        with pytest.raises(roburoc4.RobotError) as caught:
-            robot.drive_for(0.3, 0.0, seconds=60)
-        assert caught.value.code == Result.LAPSED
-        until(lambda: served.state.last_linear_m_s == 0)
-        commands = served.state.nonzero_speed_commands
-        robot.sleep(0.5)
-        assert served.state.nonzero_speed_commands == commands
 
 
 def test_stop_after_close_does_nothing_and_hides_no_error(served: Simulator) -> None:

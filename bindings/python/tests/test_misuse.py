@@ -145,8 +145,3 @@ def test_functions() -> None:
 def test_an_unknown_setting_is_named(connect: Callable[..., object]) -> None:
     with pytest.raises(ArgumentError, match="no setting 'max_speed': there are"):
         connect(max_speed=1.0)
-
-
-def test_a_folder_that_is_missing_is_a_recording_error(tmp_path: Path) -> None:
-    with pytest.raises(roburoc4.RecordingError, match=r"record: .*no-folder"):
-        roburoc4.connect("127.0.0.1:9", wait=False, record=tmp_path / "no-folder" / "x.pcapng")

@@ -106,7 +106,7 @@ def test_what_ends_a_move_cannot_be_overlooked(sim: Simulator) -> None:
         robot.move(-0.2)
         with pytest.raises(MoveError) as caught:
             robot.move(5.0, clearance=0, timeout=1.0)
-        assert caught.value.result.outcome is MoveOutcome.TIMEOUT
+        assert caught.value.outcome is MoveOutcome.TIMEOUT
 
 
 @pytest.mark.parametrize(("end", "code"), [("stop", Result.STOPPED), ("pause", Result.STATE)])

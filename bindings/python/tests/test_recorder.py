@@ -22,12 +22,6 @@ def block_types(path: Path) -> list[int]:
     return types
 
 
-@pytest.mark.parametrize("path", ["", "x" * 2000])
-def test_a_path_that_cannot_be_one_is_named(path: str) -> None:
-    with pytest.raises(roburoc4.ArgumentError, match=f"record: '{path}' cannot be used"):
-        roburoc4.connect("127.0.0.1", wait=False, record=path)
-
-
 @pytest.mark.parametrize("threaded", [True, False])
 def test_every_datagram_is_recorded(
     served: roburoc4.Simulator, tmp_path: Path, threaded: bool

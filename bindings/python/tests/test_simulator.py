@@ -66,8 +66,9 @@ def test_the_panel_executes_lines() -> None:
     with Simulator() as sim:
         assert sim.panel("pad a down") == "ok"
         assert sim.state.overridden
-        with pytest.raises(roburoc4.ArgumentError, match="dance"):
-            sim.panel("dance")
+        for line in ("dance", "pad \ud800", "estop l\u00f6cal press"):
+            with pytest.raises(roburoc4.ArgumentError):
+                sim.panel(line)
 
 
 def test_a_port_serves_in_real_time() -> None:
@@ -182,9 +183,3 @@ def test_the_fixture_is_part_of_the_package(
         """
     )
     pytester.runpytest_subprocess("-W", "error").assert_outcomes(passed=1)
-
-
-@pytest.mark.parametrize("line", ["pad \ud800", "estop l\u00f6cal press", "fly"])
-def test_an_invalid_panel_line_is_an_argument_error(line: str) -> None:
-    with roburoc4.Simulator() as sim, pytest.raises(roburoc4.ArgumentError):
-        sim.panel(line)

@@ -205,32 +205,6 @@ def test_subscriptions_can_be_changed(roburoc4_simulator: Simulator) -> None:
             robot.subscribe("coffee", 100)
 
 
-@pytest.mark.parametrize(
-    ("settings", "name"),
-    [
-        ({"lease_ms": 5000}, "lease_ms"),
-        ({"lease_ms": -1}, "lease_ms"),
-        ({"max_linear_m_s": math.nan}, "max_linear_m_s"),
-        ({"period_ms": {"battery": 15}}, "period_ms"),
-        ({"period_ms": {"coffee": 50}}, "coffee"),
-        ({"override_index": 64}, "role_index"),
-        ({"buffer": 1}, "buffer"),
-    ],
-)
-def test_settings_out_of_range_are_refused_by_name(
-    roburoc4_simulator: Simulator, settings: dict[str, object], name: str
-) -> None:
-    with pytest.raises(ValueError, match=name):
-        roburoc4_simulator.connect(**settings)  # type: ignore[arg-type]
-
-
-def test_unknown_settings_are_refused(roburoc4_simulator: Simulator) -> None:
-    with pytest.raises(roburoc4.ArgumentError, match="lease_ms"):
-        roburoc4_simulator.connect(leese_ms=100)  # type: ignore[call-arg]
-    with pytest.raises(roburoc4.ArgumentError, match="slip"):
-        Simulator(slipp=0.1)  # type: ignore[call-arg]
-
-
 class FakeConnection:
     """A connection to a robot with these texts."""
 

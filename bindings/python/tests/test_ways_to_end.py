@@ -91,6 +91,7 @@ def test_another_thread_ends_iterations_and_waits() -> None:
         threads = [threading.Thread(target=note, args=(wait,)) for wait in waits]
         for thread in threads:
             thread.start()
+        robot.sleep(0.2)
         robot.close()
         for thread in threads:
             thread.join()
