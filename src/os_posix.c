@@ -9,7 +9,6 @@
 #include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <netdb.h>
 #include <netinet/ip.h>
 #include <poll.h>
 #include <signal.h>
@@ -52,30 +51,7 @@ uint64_t roburoc4_udp_now_us(void) {
 /* ------------------------------------------------------------------------------- addresses --- */
 
 roburoc4_result roburoc4_os_resolve(const char *host, uint16_t port, roburoc4_address *out) {
-    static const int families[] = {AF_INET, AF_INET6};
-    struct addrinfo hints, *list, *entry;
-    size_t i;
-    roburoc4_result result = ROBUROC4_ERR_RESOLVE;
-    memset(&hints, 0, sizeof hints);
-    hints.ai_family = AF_UNSPEC;
-    hints.ai_socktype = SOCK_DGRAM;
-    hints.ai_flags = AI_NUMERICHOST; /* first without asking any name server */
-    if (getaddrinfo(host, NULL, &hints, &list) != 0) {
-        hints.ai_flags = 0;
-        if (getaddrinfo(host, NULL, &hints, &list) != 0) {
-            return ROBUROC4_ERR_RESOLVE;
-        }
-    }
-    for (i = 0; i < 2 && result < 0; i++) {
-        for (entry = list; entry != NULL && result < 0; entry = entry->ai_next) {
-            if (entry->ai_family == families[i]) {
-                from_system(entry->ai_addr, port, out);
-                result = ROBUROC4_OK;
-            }
-        }
-    }
-    freeaddrinfo(list);
-    return result;
+    return look_up(host, port, out);
 }
 
 int roburoc4_os_ip_text(const roburoc4_address *address, char *buffer, size_t capacity) {
@@ -117,15 +93,6 @@ static uint32_t fault_of(int error) {
     }
 }
 
-static roburoc4_os_outcome failure(int error) {
-    roburoc4_os_outcome outcome;
-    outcome.fault = fault_of(error);
-    outcome.system_error = error;
-    return outcome;
-}
-
-static const roburoc4_os_outcome success = {ROBUROC4_FAULT_NONE, 0};
-
 /* Optional: everything works without them. */
 static void tune(int fd, uint8_t family) {
     int receive_bytes = RECEIVE_BUFFER_BYTES, send_bytes = SEND_BUFFER_BYTES;
@@ -161,25 +128,11 @@ void roburoc4_os_close(int64_t socket) {
     (void)close((int)socket);
 }
 
-roburoc4_os_outcome roburoc4_os_bind(int64_t socket, const roburoc4_address *local) {
-    struct sockaddr_storage system;
-    const socklen_t length = to_system(local, &system);
-    return bind((int)socket, (const struct sockaddr *)&system, length) != 0 ? failure(errno)
-                                                                            : success;
-}
-
 roburoc4_os_outcome roburoc4_os_connect(int64_t socket, const roburoc4_address *address) {
-    struct sockaddr_storage system;
-    struct sockaddr none;
-    socklen_t length = to_system(address, &system);
-    memset(&none, 0, sizeof none);
-    none.sa_family = AF_UNSPEC;
-    /* Dissolves an earlier connection, and with it the local address. Fails if there is none. */
-    (void)connect((int)socket, &none, sizeof none);
-    if (connect((int)socket, (const struct sockaddr *)&system, length) != 0) {
-        return failure(errno);
-    }
-    return success;
+    struct sockaddr nobody;
+    memset(&nobody, 0, sizeof nobody);
+    nobody.sa_family = AF_UNSPEC;
+    return reconnect(socket, &nobody, sizeof nobody, address);
 }
 
 roburoc4_os_outcome roburoc4_os_send(int64_t socket, const uint8_t *datagram, size_t size) {
@@ -245,17 +198,6 @@ roburoc4_result roburoc4_os_wait(int64_t socket, int64_t wake, uint64_t timeout_
         return ROBUROC4_ERR_SYSTEM;
     }
     return ROBUROC4_OK;
-}
-
-int roburoc4_os_own_address(int64_t socket, roburoc4_address *out) {
-    struct sockaddr_storage own;
-    socklen_t length = sizeof own;
-    memset(&own, 0, sizeof own);
-    if (getsockname((int)socket, (struct sockaddr *)&own, &length) != 0) {
-        return 0;
-    }
-    from_system((struct sockaddr *)&own, port_of(&own), out);
-    return 1;
 }
 
 /* ----------------------------------------------------------------------------------- files --- */

@@ -53,42 +53,13 @@ static int start_winsock(int32_t *system_error) {
     return *system_error == 0;
 }
 
-static struct addrinfo *look_up(const char *host) {
-    struct addrinfo hints, *list = NULL;
-    memset(&hints, 0, sizeof hints);
-    hints.ai_family = AF_UNSPEC;
-    hints.ai_socktype = SOCK_DGRAM;
-    hints.ai_flags = AI_NUMERICHOST; /* first without asking any name server */
-    if (getaddrinfo(host, NULL, &hints, &list) != 0) {
-        hints.ai_flags = 0;
-        if (getaddrinfo(host, NULL, &hints, &list) != 0) {
-            return NULL;
-        }
-    }
-    return list;
-}
-
 roburoc4_result roburoc4_os_resolve(const char *host, uint16_t port, roburoc4_address *out) {
-    static const int families[] = {AF_INET, AF_INET6};
-    struct addrinfo *list, *entry;
-    int i;
     int32_t error;
-    roburoc4_result result = ROBUROC4_ERR_RESOLVE;
+    roburoc4_result result;
     if (!start_winsock(&error)) {
         return ROBUROC4_ERR_RESOLVE;
     }
-    list = look_up(host);
-    for (i = 0; i < 2 && result < 0; i++) {
-        for (entry = list; entry != NULL && result < 0; entry = entry->ai_next) {
-            if (entry->ai_family == families[i]) {
-                from_system(entry->ai_addr, port, out);
-                result = ROBUROC4_OK;
-            }
-        }
-    }
-    if (list != NULL) {
-        freeaddrinfo(list);
-    }
+    result = look_up(host, port, out);
     (void)WSACleanup();
     return result;
 }
@@ -136,15 +107,6 @@ static uint32_t fault_of(int error) {
     }
 }
 
-static roburoc4_os_outcome failure(int error) {
-    roburoc4_os_outcome outcome;
-    outcome.fault = fault_of(error);
-    outcome.system_error = error;
-    return outcome;
-}
-
-static const roburoc4_os_outcome success = {ROBUROC4_FAULT_NONE, 0};
-
 static void set_option(SOCKET handle, int option, int value) {
     (void)setsockopt(handle, SOL_SOCKET, option, (const char *)&value, (int)sizeof value);
 }
@@ -180,29 +142,14 @@ void roburoc4_os_close(int64_t socket) {
     (void)WSACleanup();
 }
 
-roburoc4_os_outcome roburoc4_os_bind(int64_t socket, const roburoc4_address *local) {
-    struct sockaddr_storage system;
-    int length = to_system(local, &system);
-    return bind((SOCKET)socket, (const struct sockaddr *)&system, length) != 0
-               ? failure(WSAGetLastError())
-               : success;
-}
-
 roburoc4_os_outcome roburoc4_os_connect(int64_t socket, const roburoc4_address *address) {
-    struct sockaddr_storage system, none;
-    roburoc4_address anybody = *address;
-    int length;
-    memset(anybody.ip, 0, sizeof anybody.ip);
-    anybody.scope = 0;
-    anybody.port = 0;
-    length = to_system(&anybody, &none);
-    /* Connecting to the unspecified address dissolves an earlier connection. */
-    (void)connect((SOCKET)socket, (const struct sockaddr *)&none, length);
-    length = to_system(address, &system);
-    if (connect((SOCKET)socket, (const struct sockaddr *)&system, length) != 0) {
-        return failure(WSAGetLastError());
-    }
-    return success;
+    struct sockaddr_storage nobody;
+    roburoc4_address unspecified = *address;
+    memset(unspecified.ip, 0, sizeof unspecified.ip);
+    unspecified.scope = 0;
+    unspecified.port = 0;
+    const socklen_t length = to_system(&unspecified, &nobody);
+    return reconnect(socket, (const struct sockaddr *)&nobody, (size_t)length, address);
 }
 
 roburoc4_os_outcome roburoc4_os_send(int64_t socket, const uint8_t *datagram, size_t size) {
@@ -252,17 +199,6 @@ roburoc4_result roburoc4_os_wait(int64_t socket, int64_t wake, uint64_t timeout_
         return ROBUROC4_ERR_SYSTEM;
     }
     return ROBUROC4_OK;
-}
-
-int roburoc4_os_own_address(int64_t socket, roburoc4_address *out) {
-    struct sockaddr_storage own;
-    int length = (int)sizeof own;
-    memset(&own, 0, sizeof own);
-    if (getsockname((SOCKET)socket, (struct sockaddr *)&own, &length) != 0) {
-        return 0;
-    }
-    from_system((struct sockaddr *)&own, port_of(&own), out);
-    return 1;
 }
 
 /* ----------------------------------------------------------------------------------- files --- */
