@@ -109,15 +109,3 @@ def test_a_port_where_nobody_listens_is_reported(start_bridge: StartBridge) -> N
         "the bridge says that the port is closed",
     )
     assert bridge.running
-
-
-def test_a_reboot_is_counted_and_statuses_go_on(
-    robot: Robot, bus: Bus, start_bridge: StartBridge
-) -> None:
-    bridge = start_bridge().connects()
-    time.sleep(0.5)
-    robot.reboot()
-    until(lambda: bridge.statistics.reboots == 1, "the reboot is counted")
-    before = len(bus.of("ROBUROC4_LOCALIZATION"))
-    until(lambda: len(bus.of("ROBUROC4_LOCALIZATION")) > before + 10, "poses go on")
-    assert bus.last("ROBUROC4_LOCALIZATION").robot_cycles < 2000

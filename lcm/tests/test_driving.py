@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-import roburoc4
 import roburoc4_lcm
 from rig import Bridge, Bus, Planner, Robot, until
 from rig.bus import drive_command, now_us
@@ -137,24 +136,6 @@ def test_a_command_is_rejected_and_counted_by_cause(
     assert state.rejected_message in willing.output
     assert ("--max-age-ms" in state.rejected_message) == ("ahead_us" in fault)
     assert ("microseconds since 1970" in state.rejected_message) == (fault.get("utime", 0) > 0)
-
-
-def test_outputs_are_set(robot: Robot, bus: Bus, willing: Bridge) -> None:
-    bus.publish("ROBUROC4_OUTPUT_CMD", output_command(3).encode())
-    wait_for_count(willing, "accepted_output", 1)
-
-    def last() -> object:
-        said = [
-            roburoc4.protocol.decode(data, sender="client")
-            for _, data in list(robot.tap.to_robot)
-            if data[:1] == b"\xff"
-        ]
-        return said[-1] if said else None
-
-    until(lambda: isinstance(last(), roburoc4.protocol.IoCardCommand), "outputs reach the robot")
-    found = last()
-    assert isinstance(found, roburoc4.protocol.IoCardCommand)
-    assert [index for index, on in enumerate(found.digital_outputs) if on] == [3]
 
 
 def test_a_relocalization_reaches_the_robot(robot: Robot, bus: Bus, willing: Bridge) -> None:

@@ -80,13 +80,6 @@ def test_a_stop_ends_a_move_for_good(robot: Robot, bus: Bus, armed: Bridge) -> N
         ends_as(bus, armed, 2, Status.RESULT_REACHED)
 
 
-def test_the_game_pad_ends_a_move(robot: Robot, bus: Bus, armed: Bridge) -> None:
-    with moving(bus, 1, distance_m=3.0):
-        until(robot.tap.moves, "it drives")
-        robot.tell("pad a down")
-        ends_as(bus, armed, 1, Status.RESULT_OVERRIDE)
-
-
 def test_a_speed_of_its_sender_ends_a_move(robot: Robot, bus: Bus, armed: Bridge) -> None:
     bus.publish(MOVE, move_command(1, distance_m=3.0).encode())
     until(robot.tap.moves, "it drives")

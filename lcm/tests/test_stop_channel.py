@@ -51,17 +51,6 @@ def test_a_stop_works_whatever_its_message_is(
     assert "stop command on" not in armed.output
 
 
-def test_a_stop_right_after_a_command_wins(robot: Robot, bus: Bus, armed: Bridge) -> None:
-    for _ in range(5):
-        bus.publish(DRIVE, drive_command(0.5).encode())
-        bus.publish(STOP, stop_command().encode())
-        stop_us = now_us()
-        bus.publish(DRIVE, drive_command(0.5).encode())
-        time.sleep(0.8)
-        assert robot.tap.moves(stop_us + MARGIN_US) == []
-        assert robot.speeds()[2:] == (0, 0)
-
-
 def test_a_bridge_that_only_watches_stops_the_robot_too(
     robot: Robot, bus: Bus, start_bridge: StartBridge
 ) -> None:

@@ -247,6 +247,8 @@ TEST(LcmMapping, PropertiesAreThoseOfTheRobotAndFitTheBuffer) {
     mapping_properties(&bench.client, &config, names.get(), address, utime, storage.get(), &out);
     roburoc4_differential_properties differential;
     roburoc4_iocard_properties card;
+    roburoc4_battery_properties battery;
+    ASSERT_EQ(0, roburoc4_client_battery_properties(&bench.client, &battery));
     ASSERT_EQ(0, roburoc4_client_differential_properties(&bench.client, &differential));
     ASSERT_EQ(0, roburoc4_client_iocard_properties(&bench.client, &card));
     TRAVEL(roburoc4_lcm_robot_properties_t, out, {
@@ -259,8 +261,15 @@ TEST(LcmMapping, PropertiesAreThoseOfTheRobotAndFitTheBuffer) {
         EXPECT_EQ(differential.max_angular_rad_s, got.max_angular_rad_s);
         EXPECT_EQ(differential.min_angular_rad_s2, got.min_angular_rad_s2);
         EXPECT_EQ(differential.width_m, got.width_m);
+        EXPECT_TRUE(got.battery_known && got.localization_known && got.telemeter_known);
+        EXPECT_EQ(battery.nominal_voltage_v, got.nominal_voltage_v);
+        EXPECT_EQ(battery.capacity_ah, got.capacity_ah);
+        EXPECT_EQ(battery.minimum_percent, got.minimum_percent);
+        EXPECT_EQ(2, got.telemeter_count);
         EXPECT_TRUE(got.iocard_known);
+        EXPECT_EQ(card.analog_inputs, got.analog_input_count);
         EXPECT_EQ(card.digital_inputs, got.digital_input_count);
+        EXPECT_STREQ("Front bumper", got.digital_input_names[ROBUROC4_DI_FRONT_BUMPER]);
         EXPECT_EQ(card.digital_outputs, got.digital_output_count);
         ASSERT_EQ(static_cast<std::int32_t>(service_count(&bench.client)), got.service_count);
         for (int at = 0; at < got.service_count; at++) {
