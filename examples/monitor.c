@@ -2,7 +2,7 @@
  *
  * monitor: connect, and show what the robot reports. It never commands.
  *
- * A pump's thread keeps the link. This thread copies the latest values a few times a second, or,
+ * A pump's thread keeps the link. This thread prints the latest values each second, or,
  * with --all, reads every status from the pump's queue.
  */
 #include <inttypes.h>
@@ -13,10 +13,6 @@
 #include <string.h>
 
 #include "roburoc4_pump.h"
-
-#ifndef _WIN32
-#include <unistd.h>
-#endif
 
 enum { EXIT_DONE = 0, EXIT_USAGE = 2, EXIT_ABSENT = 3 };
 
@@ -30,15 +26,6 @@ static volatile sig_atomic_t interrupted;
 
 static void on_signal(int number) {
     interrupted = number;
-}
-
-/* Windows' consoles may not know how to move up: there it is a line each second. */
-static int is_terminal(void) {
-#ifdef _WIN32
-    return 0;
-#else
-    return isatty(STDOUT_FILENO);
-#endif
 }
 
 static uint32_t state_of(roburoc4_pump *pump) {
@@ -150,9 +137,7 @@ typedef struct latest {
     roburoc4_differential_status motion;
     char battery[40];
     roburoc4_distances distances;
-    roburoc4_inputs inputs;
     roburoc4_facts facts;
-    roburoc4_link link;
 } latest;
 
 /* The pump's link waits while its lock is held: copy, then print. */
@@ -160,11 +145,8 @@ static void look(roburoc4_pump *pump, latest *out) {
     roburoc4_battery_status battery;
     memset(out, 0, sizeof *out);
     out->facts.size = sizeof out->facts;
-    out->link.size = sizeof out->link;
     const roburoc4_client *client = roburoc4_pump_lock(pump);
-    uint64_t now_us = roburoc4_udp_now_us();
-    roburoc4_client_facts(client, now_us, &out->facts);
-    roburoc4_client_link(client, now_us, &out->link);
+    roburoc4_client_facts(client, roburoc4_udp_now_us(), &out->facts);
     if (roburoc4_client_localization(client, &out->pose, NULL) < 0) {
         out->pose.x_m = out->pose.y_m = out->pose.theta_rad = NAN;
     }
@@ -179,7 +161,6 @@ static void look(roburoc4_pump *pump, latest *out) {
                  (unsigned)battery.remaining_percent, state != NULL ? state : "unknown state");
     }
     roburoc4_client_distances(client, &out->distances, NULL);
-    roburoc4_client_inputs(client, &out->inputs, NULL);
     roburoc4_pump_unlock(pump);
 }
 
@@ -197,43 +178,15 @@ static void print_line(const latest *now) {
            now->facts.rear_bumper ? "; rear bumper" : "");
 }
 
-/* Eight lines, each of which clears the previous one. */
-#define BLOCK_LINES 8
-static void print_block(roburoc4_pump *pump, const char *host, const latest *now) {
-    const char *end = "\x1b[K\n";
-    char on[66];
-    printf("%s  %s%s", host, roburoc4_name(ROBUROC4_NAME_STATE, now->facts.state), end);
-    printf("pose       x %.2f m, y %.2f m, %.1f deg%s", now->pose.x_m, now->pose.y_m,
-           now->pose.theta_rad * DEGREES_PER_RADIAN, end);
-    printf("linear     %.2f m/s, target %.2f%s", (double)now->motion.current_linear_m_s,
-           (double)now->motion.target_linear_m_s, end);
-    printf("angular    %.2f rad/s, target %.2f%s", (double)now->motion.current_angular_rad_s,
-           (double)now->motion.target_angular_rad_s, end);
-    printf("distances  ");
-    print_distances(&now->distances);
-    printf("%sbattery    %s%s", end, now->battery, end);
-    printf("inputs on  %s%s", pressed(pump, &now->inputs, on, sizeof on), end);
-    printf("link       %" PRIu32 " statuses, %" PRIu32 " lost, round trip %.2f ms%s",
-           now->link.received, now->link.lost, now->link.round_trip_us * 1e-3, end);
-    fflush(stdout);
-}
-
-static void show_latest(roburoc4_pump *pump, const char *host, uint64_t until_us) {
+static void show_latest(roburoc4_pump *pump, uint64_t until_us) {
     roburoc4_pump_reader reader;
-    int shown = 0;
     roburoc4_pump_reader_init(pump, &reader);
     roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_TELEMETER, WAIT_US);
     for (uint64_t line_us = 0; !interrupted && roburoc4_udp_now_us() < until_us;) {
-        latest now;
-        look(pump, &now);
-        if (is_terminal()) {
-            if (shown) {
-                printf("\x1b[%dF", BLOCK_LINES);
-            }
-            print_block(pump, host, &now);
-            shown = 1;
-        } else if (roburoc4_udp_now_us() - line_us >= LINE_US) {
+        if (roburoc4_udp_now_us() - line_us >= LINE_US) {
+            latest now;
             line_us = roburoc4_udp_now_us();
+            look(pump, &now);
             print_line(&now);
             fflush(stdout);
         }
@@ -288,18 +241,12 @@ int main(int argc, char **argv) {
         char *end = NULL;
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
             printf("Usage: monitor [--all] [--seconds N] [HOST[:PORT]]\n"
-                   "Show what a RobuROC4 (default %s:%d) reports: live in a terminal, a line each\n"
-                   "second elsewhere. It never commands the robot. Ctrl-C ends it.\n"
+                   "Print what a RobuROC4 (default %s:%d) reports, a line each second. It never\n"
+                   "commands the robot. Ctrl-C ends it.\n"
                    "  --all        print every status as it arrives, about 75 lines a second\n"
                    "  --seconds N  end after N s\n"
-                   "  -h, --help, --version\n"
                    "Exit status: 0 done, 2 bad usage, 3 no robot there.\n",
                    ROBUROC4_DEFAULT_HOST, ROBUROC4_DEFAULT_PORT);
-            return EXIT_DONE;
-        }
-        if (strcmp(argv[i], "--version") == 0) {
-            printf("monitor %d.%d.%d\n", ROBUROC4_VERSION_MAJOR, ROBUROC4_VERSION_MINOR,
-                   ROBUROC4_VERSION_PATCH);
             return EXIT_DONE;
         }
         if (strcmp(argv[i], "--all") == 0) {
@@ -339,7 +286,7 @@ int main(int argc, char **argv) {
         if (all) {
             show_all(pump, until_us);
         } else {
-            show_latest(pump, host, until_us);
+            show_latest(pump, until_us);
         }
     }
     roburoc4_pump_destroy(pump);
