@@ -166,15 +166,12 @@ def measure_target(part, target):
         target.linked(figures.BENCH / "size/codec_roburoc4.c", objects)[0],
     )
     add("codec + client, all of it", sum(s[0] for s in sizes.values()))
-    add(
-        "firmware that drives, linked",
-        target.linked(figures.BENCH / "size/client_drive.c", objects)[0],
-    )
+    drives = target.linked(figures.BENCH / "size/client_drive.c", objects)[0]
+    add("firmware that drives, linked", drives)
     add("data + bss, all of it", sum(s[1] + s[2] for s in sizes.values()))
     moves = target.moves()
     add("moves, all of it", sum(target.sizes(o)[0] for o in moves if o.stem.startswith("move")))
-    drives = target.linked(figures.BENCH / "size/client_drive.c", objects)[0]
-    by = target.linked(figures.BENCH / "size/client_move.c", objects + moves)[0]
+    by = target.linked(figures.BENCH / "size/client_drive.c", objects + moves, "-DWITH_MOVE")[0]
     add("a metre, in a firmware that drives", by - drives)
     add("a client's memory", target.client_bytes())
     depth, why_not = stack(target, objects)
