@@ -10,7 +10,6 @@
 #define LINEAR_M_S2 0.5 /* defaults of a move */
 #define ANGULAR_RAD_S2 1.0
 #define WATCHDOG_MS 1000
-#define LINK_MS 1
 
 /* ------------------------------------------------------------------------------- the family --- */
 
@@ -260,7 +259,6 @@ static void send_to_client(family_rig *rig, const uint8_t *data, roburoc4_result
 /** A command was put on the wire. */
 static void note_command(family_rig *rig, const double *speed) {
     const double most = rig->robot.is.turn ? speed[1] : speed[0];
-    const uint32_t axis = rig->robot.is.turn ? 1 : 0;
     const double span_s = fmax(1e-3 * (rig->now_ms - rig->sent_ms), 0.01);
     if (rig->commands++ > 0) {
         rig->steepest[0] = fmax(rig->steepest[0], fabs(speed[0] - rig->last_sent[0]) / span_s);
@@ -277,7 +275,6 @@ static void note_command(family_rig *rig, const double *speed) {
     rig->last_sent[0] = speed[0];
     rig->last_sent[1] = speed[1];
     rig->sent_ms = rig->now_ms;
-    (void)axis;
 }
 
 static void send_to_robot(family_rig *rig, const uint8_t *data, roburoc4_result size) {

@@ -22,7 +22,6 @@
 #define SIM_PAD_AXES (ROBUROC4_AI_PAD_RT - ROBUROC4_AI_PAD_LJ_X + 1)
 #define SIM_QUEUE_BYTES 32768
 #define SIM_DEAD_TIME_CYCLES 16
-#define SIM_LOCALIZATION_FLAGS_MAX 0x7F
 
 /* Unused digital inputs of the manual's table that may get a text. */
 #define SIM_SECOND_FRONT 2

@@ -59,10 +59,6 @@ class UdpRobot {
         std::lock_guard<std::mutex> guard(mutex_);
         return commands_;
     }
-    /* From now on it neither receives nor sends, but its socket stays open. */
-    void fall_silent() {
-        silent_ = true;
-    }
 
   private:
     void hear(const Received &got) {
@@ -88,9 +84,6 @@ class UdpRobot {
         while (running_) {
             Received got = socket_.receive(2);
             std::lock_guard<std::mutex> guard(mutex_);
-            if (silent_) {
-                continue;
-            }
             roburoc4_sim_advance(sim_, roburoc4_udp_now_us());
             if (got.from.sin_port != 0) {
                 hear(got);
@@ -106,7 +99,7 @@ class UdpRobot {
     std::mutex mutex_; /* guards all below */
     roburoc4_sim *sim_;
     std::vector<SpeedCommand> commands_;
-    std::atomic<bool> running_{true}, silent_{false};
+    std::atomic<bool> running_{true};
     std::thread thread_; /* last, so that it finds all else made */
 };
 

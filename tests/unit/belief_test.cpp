@@ -47,15 +47,6 @@ class StopBelief : public testing::Test {
   protected:
     ResumingRobot robot;
     Bench bench{robot};
-
-    void drive_and_hold(std::uint64_t held_us) {
-        bench.armed();
-        ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
-        robot.hold(true);
-        bench.run(held_us);
-        bench.take_events();
-        robot.hold(false);
-    }
 };
 
 } // namespace

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """roburoc4-lcm as a process."""
 
-import re
-import subprocess
 from pathlib import Path
 from typing import Any, Self
 
@@ -53,14 +51,6 @@ class Bridge(Program):
         before = len(self.bus.of(channel))
         until(lambda: len(self.bus.of(channel)) > before, "statistics")
         return self.bus.last(channel)
-
-    @property
-    def lcm_version(self) -> tuple[int, ...]:
-        """The version of LCM that it was built with."""
-        said = subprocess.run([self.program, "--version"], capture_output=True, text=True)
-        found = re.search(r"LCM (\d+)\.(\d+)", said.stdout)
-        assert found, said.stdout
-        return int(found[1]), int(found[2])
 
     def connects(self, seconds: float = 10.0) -> Self:
         """Wait until statuses of all five services are on the bus."""

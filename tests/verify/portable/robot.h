@@ -11,8 +11,6 @@
 #define ROBOT_WATCHDOG_US 1000000UL
 #define ROBOT_MAX_LINEAR 2.5f
 #define ROBOT_MAX_ANGULAR 6.0f
-/** The longest datagram that it sends: telemeter properties. */
-#define ROBOT_LONGEST 65
 
 typedef struct robot {
     uint64_t now_us, boot_us, cycles, commanded_us;
