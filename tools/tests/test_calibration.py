@@ -11,6 +11,7 @@ import pytest
 from roburoc4 import ArgumentError, Simulator, robot_file
 from roburoc4_tools.cli import calibrate
 from roburoc4_tools.cli.errors import CommandError
+from roburoc4_tools.cli.options import Options
 
 SLIP = 0.12
 
@@ -22,8 +23,8 @@ def sim() -> Iterator[Simulator]:
         yield simulator
 
 
-def options() -> calibrate.CalibrateOptions:
-    return calibrate.CalibrateOptions(metres=2.0, turns=2.0, clearance=None, timeout=None)
+def options() -> Options:
+    return Options(metres=2.0, turns=2.0, clearance=None, timeout=None)
 
 
 class Observer:

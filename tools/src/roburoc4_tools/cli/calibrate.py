@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from . import moves, session
 from .errors import ExitCode, refused, usage
-from .options import add_robot, number
+from .options import Options, add_robot, number
 
 if TYPE_CHECKING:
     from roburoc4 import Robot
@@ -19,16 +19,6 @@ if TYPE_CHECKING:
 _METRES = number(0.5, 20.0, "m")
 _LEAST, _MOST = 0.5, 2.0
 _TURNS = number(1.0, 10.0, "turns")
-
-
-class CalibrateOptions(session.DrivingOptions):
-    """Options of this command."""
-
-    file: str
-    metres: float
-    turns: float
-    clearance: float | None
-    timeout: float | None
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -56,7 +46,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.set_defaults(run=_run)
 
 
-def _run(options: CalibrateOptions) -> int:
+def _run(options: Options) -> int:
     from roburoc4 import robot_file
 
     known = _known(options.file)
@@ -95,7 +85,7 @@ def checked(name: str, scale: float) -> float:
     return scale
 
 
-def measure(robot: Robot, options: CalibrateOptions) -> tuple[float, float]:
+def measure(robot: Robot, options: Options) -> tuple[float, float]:
     """Drive and ask; return what the wheels count by what was measured, in m and in rad."""
     angle_rad = 2 * math.pi * options.turns
     way = robot.move(options.metres, clearance=options.clearance, timeout=options.timeout)

@@ -9,14 +9,6 @@ from collections.abc import Iterable, Iterator
 from .errors import ExitCode
 from .options import Options
 
-
-class CompletionOptions(Options):
-    """Options of `completion`."""
-
-    shell: str
-    parser: argparse.ArgumentParser
-
-
 _BY_SHTAB = ("bash", "zsh", "tcsh")
 _HOW = """\
 bash: roburoc4 completion bash > ~/.local/share/bash-completion/completions/roburoc4
@@ -39,7 +31,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: CompletionOptions) -> int:
+def run(options: Options) -> int:
     """Print it."""
     if options.shell == "fish":
         print("\n".join(_fish(options.parser)))

@@ -38,15 +38,6 @@ _NOT_IN_MCAP = ("robot_s", "robot_cycles", "localization_flags", "battery_state"
 _T = TypeVar("_T")
 
 
-class ConvertOptions(Options):
-    """Options of `convert`."""
-
-    file: Path
-    output: Path
-    recorded: str | None
-    force: bool
-
-
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
@@ -70,7 +61,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: ConvertOptions) -> int:
+def run(options: Options) -> int:
     """Convert it."""
     suffix = options.output.suffix.lower()
     if suffix not in _COUNTED:
@@ -96,7 +87,7 @@ def run(options: ConvertOptions) -> int:
     return ExitCode.FINE
 
 
-def _check_statuses(options: ConvertOptions) -> None:
+def _check_statuses(options: Options) -> None:
     """Reject conversions that need more than statuses."""
     source, suffix = options.file.suffix.lower(), options.output.suffix.lower()
     if suffix == ".pcapng":
@@ -110,7 +101,7 @@ def _check_statuses(options: ConvertOptions) -> None:
         raise usage(f"--robot: {options.file} holds only one robot: omit --robot")
 
 
-def _of_statuses(options: ConvertOptions, output: Path, show: Show) -> tuple[int, int]:
+def _of_statuses(options: Options, output: Path, show: Show) -> tuple[int, int]:
     """Convert a CSV file to MCAP, or the reverse."""
     from ..recordings import rows
     from ..ros import rosbag
@@ -127,7 +118,7 @@ def _of_statuses(options: ConvertOptions, output: Path, show: Show) -> tuple[int
     return count, 0
 
 
-def _of_capture(options: ConvertOptions, output: Path, show: Show) -> tuple[int, int]:
+def _of_capture(options: Options, output: Path, show: Show) -> tuple[int, int]:
     from ..recordings import open_recording
 
     recording = open_recording(options.file, options.recorded)

@@ -17,16 +17,6 @@ if TYPE_CHECKING:
     from ..recordings.between import When
 
 
-class CutOptions(Options):
-    """Options of `cut`."""
-
-    files: list[Path]
-    begin: When | None
-    end: When | None
-    output: Path
-    force: bool
-
-
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
@@ -68,7 +58,7 @@ def _time(text: str) -> When:
         ) from None
 
 
-def run(options: CutOptions) -> int:
+def run(options: Options) -> int:
     """Cut and merge."""
     from ..recordings.between import cut
 

@@ -44,28 +44,6 @@ _CAMERA = re.compile(r"https?://[\w.:\[\]-]+(/[^\s;,'\"]*)?", re.ASCII)
 _DESKTOPS = ("DISPLAY", "WAYLAND_DISPLAY")
 
 
-class DashboardOptions(Options):
-    """Options of the command."""
-
-    sim: bool
-    robots: list[str] | None
-    camera: list[str]
-    port: int
-    bind: str
-    enable_drive: bool
-    allow_unknown_override: bool
-    robot_file: str | None
-    max_linear: float
-    max_angular: float
-    lease_ms: int
-    period_ms: int | None
-    token: str | None
-    tls_cert: str | None
-    tls_key: str | None
-    name: list[str]
-    no_open: bool
-
-
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
@@ -179,7 +157,7 @@ def _add_serving(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--no-open", action="store_true", help="do not open a browser")
 
 
-def run(options: DashboardOptions) -> int:
+def run(options: Options) -> int:
     """Serve until Ctrl-C."""
     from ..dashboard import server
     from ..dashboard.guard import Rules
@@ -210,7 +188,7 @@ def run(options: DashboardOptions) -> int:
 
 
 def _hub(
-    options: DashboardOptions,
+    options: Options,
     name: str,
     robot: Robot,
     simulator: Simulator | None,
@@ -246,7 +224,7 @@ def _serve(to_open: str | None, place: Place, rules: Rules, opened: Any, hubs: l
         raise fleet.failure
 
 
-def _print_link(options: DashboardOptions, link: str) -> None:
+def _print_link(options: Options, link: str) -> None:
     """Print warnings and, on stdout, the link."""
     if ipaddress.ip_address(options.bind).is_unspecified and not options.name:
         note("from another machine, use this computer's address instead of localhost")
@@ -287,7 +265,7 @@ def _has_desktop() -> bool:
     return sys.platform in ("win32", "darwin") or any(os.environ.get(name) for name in _DESKTOPS)
 
 
-def _place(options: DashboardOptions, make: type[Place]) -> Place:
+def _place(options: Options, make: type[Place]) -> Place:
     try:
         ipaddress.ip_address(options.bind)
     except ValueError:
@@ -310,14 +288,14 @@ def _place(options: DashboardOptions, make: type[Place]) -> Place:
     return make(options.bind, options.port, options.tls_cert, options.tls_key)
 
 
-def _names(options: DashboardOptions) -> tuple[str, ...]:
+def _names(options: Options) -> tuple[str, ...]:
     for name in options.name:
         if not _NAME.fullmatch(name):
             raise usage(f"--name: '{name}' is not a host name: give one as lab-pc or lab-pc:8400")
     return tuple(options.name)
 
 
-def _named(options: DashboardOptions) -> dict[str, str]:
+def _named(options: Options) -> dict[str, str]:
     """Return the addresses of the robots by name; one alone needs none."""
     given = options.robots or [options.robot]
     if len(given) == 1 and "=" not in given[0]:
@@ -333,7 +311,7 @@ def _named(options: DashboardOptions) -> dict[str, str]:
     return named
 
 
-def _cameras(options: DashboardOptions) -> list[tuple[str, str]]:
+def _cameras(options: Options) -> list[tuple[str, str]]:
     cameras = []
     for text in options.camera:
         name, _, url = text.partition("=")
@@ -346,7 +324,7 @@ def _cameras(options: DashboardOptions) -> list[tuple[str, str]]:
     return cameras
 
 
-def _token(options: DashboardOptions, loopback: bool) -> str | None:
+def _token(options: Options, loopback: bool) -> str | None:
     if options.token is None:
         if not loopback:
             raise usage(
@@ -367,7 +345,7 @@ def _token(options: DashboardOptions, loopback: bool) -> str | None:
 
 
 @contextlib.contextmanager
-def _simulator(options: DashboardOptions) -> Iterator[Simulator | None]:
+def _simulator(options: Options) -> Iterator[Simulator | None]:
     if not options.sim:
         yield None
         return
@@ -378,7 +356,7 @@ def _simulator(options: DashboardOptions) -> Iterator[Simulator | None]:
 
 
 @contextlib.contextmanager
-def _robot(options: DashboardOptions, address: str) -> Iterator[Robot]:
+def _robot(options: Options, address: str) -> Iterator[Robot]:
     """Connect without waiting: the page shows the progress."""
     from roburoc4 import ArgumentError, NetworkError, connect
     from roburoc4.settings import STATUS_SERVICES, Settings

@@ -16,12 +16,6 @@ from .output import note
 NAME = "roburoc4.lua"
 
 
-class DissectorOptions(Options):
-    """Options of `dissector`."""
-
-    install: bool
-
-
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
@@ -42,7 +36,7 @@ def plugin_folder() -> Path:
     return Path.home() / ".local" / "lib" / "wireshark" / "plugins"
 
 
-def run(options: DissectorOptions) -> int:
+def run(options: Options) -> int:
     """Print the path of the file that is used."""
     path = Path(__file__).resolve().parents[1] / NAME
     if options.install:

@@ -38,13 +38,6 @@ _PERIODS_MS: dict[str, int | None] = {
 _LOW = "the battery is low: charge it"
 
 
-class DoctorOptions(Options):
-    """Options of `doctor`."""
-
-    seconds: float | None
-    lcm: str | None
-
-
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
@@ -66,7 +59,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: DoctorOptions) -> int:
+def run(options: Options) -> int:
     """Check, and report."""
     if options.lcm is not None:
         return lcm_doctor.run(options.lcm, as_json=options.json)
@@ -148,7 +141,7 @@ def _note_probe(found: Findings, probe: Probe) -> None:
     found.round_trip_ms = probe.round_trip_ms
 
 
-def _watch(found: Findings, options: DoctorOptions, probe: Probe, say: Say) -> None:
+def _watch(found: Findings, options: Options, probe: Probe, say: Say) -> None:
     from .errors import CommandError
 
     try:

@@ -10,20 +10,10 @@ from typing import TYPE_CHECKING
 from . import session
 from .errors import usage
 from .moves import add_looking, go, within_limits
-from .options import FARTHEST, add_robot, add_seconds, angular_rad_s, linear_m_s
+from .options import FARTHEST, Options, add_robot, add_seconds, angular_rad_s, linear_m_s
 
 if TYPE_CHECKING:
     from roburoc4 import MoveResult, Robot
-
-
-class DriveOptions(session.DrivingOptions):
-    """Options of `drive`."""
-
-    linear: float
-    angular: float
-    seconds: float
-    clearance: float | None
-    timeout: float | None
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -44,7 +34,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: DriveOptions) -> int:
+def run(options: Options) -> int:
     """Drive, and report."""
 
     def step(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:

@@ -6,7 +6,6 @@ from __future__ import annotations
 import argparse
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from .cut import add_times
 from .errors import ExitCode
@@ -14,21 +13,7 @@ from .options import Options, add_json
 from .output import print_json, printable
 from .report import add_recorded, opened
 
-if TYPE_CHECKING:
-    from ..recordings.between import When
-
 _KINDS = ("bad", "weak", "good", "plain")
-
-
-class EventsOptions(Options):
-    """Options of `events`."""
-
-    file: Path
-    recorded: str | None
-    kinds: list[str] | None
-    text: str
-    begin: When | None
-    end: When | None
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -57,7 +42,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: EventsOptions) -> int:
+def run(options: Options) -> int:
     """Print the events that fit; like grep, return 1 if there is none."""
     from ..recordings import RecordedEvent
     from ..report.figures import utc

@@ -24,14 +24,6 @@ _LOOK_S = 0.2
 LAYOUT = Path(__file__).with_name("foxglove_layout.json")
 
 
-class FoxgloveOptions(Options):
-    """Options of `foxglove`."""
-
-    bind: str
-    port: int
-    layout: Path | None
-
-
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
@@ -63,7 +55,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: FoxgloveOptions) -> int:
+def run(options: Options) -> int:
     """Serve until a signal."""
     if options.layout is not None:
         check_new(options.layout, force=False)

@@ -28,12 +28,6 @@ _REFRESH_S = 0.1
 _LINE_S = 1.0
 
 
-class MonitorOptions(Options):
-    """Options of `monitor`."""
-
-    seconds: float | None
-
-
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
@@ -47,7 +41,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: MonitorOptions) -> int:
+def run(options: Options) -> int:
     """Show the statuses until the time is over."""
     with session.connected(options) as robot:
         watch = _Watch(robot, options.seconds or math.inf)

@@ -14,7 +14,7 @@ from roburoc4.latest import latest
 
 from . import session
 from .errors import CommandError, ExitCode, refused, usage
-from .options import FARTHEST, add_robot, angle, coordinate, number, seconds, way_m
+from .options import FARTHEST, Options, add_robot, angle, coordinate, number, seconds, way_m
 from .output import note, print_json, refuse_closed_pipe
 from .progress import progress
 
@@ -28,18 +28,6 @@ _SIDE = number(0.1, FARTHEST, "m")
 _SPEED = number(0.001, 5.0, "m/s")
 _TURN_RATE = number(0.001, 10.0, "rad/s")
 _CLEARANCE = number(0.0, 100.0, "m")
-
-
-class MoveOptions(session.DrivingOptions):
-    """Options of these commands."""
-
-    metres: float
-    angle: float
-    x: float
-    y: float
-    speed: float | None
-    clearance: float | None
-    timeout: float | None
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -60,7 +48,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 def _add(
     commands: argparse._SubParsersAction[argparse.ArgumentParser],
     name: str,
-    run: Callable[[MoveOptions], int],
+    run: Callable[[Options], int],
     text: str,
 ) -> argparse.ArgumentParser:
     parser = commands.add_parser(
@@ -97,7 +85,7 @@ def add_looking(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _run_move(options: MoveOptions) -> int:
+def _run_move(options: Options) -> int:
     def step(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
         speed = within_limits(robot, options.speed, "m/s")
         return robot.move(options.metres, **_given(options, speed), on_progress=show)
@@ -106,7 +94,7 @@ def _run_move(options: MoveOptions) -> int:
     return go(options, intention, abs(options.metres), "m", [step], linear=options.speed)
 
 
-def _run_turn(options: MoveOptions) -> int:
+def _run_turn(options: Options) -> int:
     def step(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
         speed = within_limits(robot, options.speed, "rad/s")
         return robot.turn(options.angle, **_given(options, speed), turns=True, on_progress=show)
@@ -116,7 +104,7 @@ def _run_turn(options: MoveOptions) -> int:
     return go(options, intention, abs(options.angle), "rad", [step], angular=options.speed)
 
 
-def _run_goto(options: MoveOptions) -> int:
+def _run_goto(options: Options) -> int:
     def step(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
         speed = within_limits(robot, options.speed, "m/s")
         _check_reach(robot, options.x, options.y)
@@ -135,7 +123,7 @@ def _check_reach(robot: Robot, x_m: float, y_m: float) -> None:
         )
 
 
-def _run_square(options: MoveOptions) -> int:
+def _run_square(options: Options) -> int:
     def side(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
         speed = within_limits(robot, options.speed, "m/s")
         return robot.move(options.metres, **_given(options, speed), on_progress=show)
@@ -149,7 +137,7 @@ def _run_square(options: MoveOptions) -> int:
     return go(options, intention, 4 * options.metres, "m", [side, corner] * 4, linear=options.speed)
 
 
-def _given(options: MoveOptions, speed: float | None) -> dict[str, float | None]:
+def _given(options: Options, speed: float | None) -> dict[str, float | None]:
     return {"speed": speed, "clearance": options.clearance, "timeout": options.timeout}
 
 
@@ -166,7 +154,7 @@ def within_limits(robot: Robot, speed: float | None, unit: str) -> float | None:
 
 
 def go(
-    options: session.DrivingOptions,
+    options: Options,
     intention: str,
     total: float | None,
     unit: str,

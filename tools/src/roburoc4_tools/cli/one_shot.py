@@ -28,21 +28,6 @@ _POLL_S = 0.02
 _SENT_S = 0.3
 
 
-class OutputOptions(Options):
-    """Options of `output`."""
-
-    index: int
-    state: str
-
-
-class RelocalizeOptions(Options):
-    """Options of `relocalize`."""
-
-    x: float
-    y: float
-    theta: float
-
-
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the commands."""
     stop = commands.add_parser(
@@ -161,7 +146,7 @@ def _driver(other: bool, facts: Facts) -> str:
     return "another program" if other else "another program or its game pad"
 
 
-def run_output(options: OutputOptions) -> int:
+def run_output(options: Options) -> int:
     """Switch an output."""
     from roburoc4 import RobotError
 
@@ -180,7 +165,7 @@ def run_output(options: OutputOptions) -> int:
     return ExitCode.FINE
 
 
-def run_relocalize(options: RelocalizeOptions) -> int:
+def run_relocalize(options: Options) -> int:
     """Set the robot's pose."""
     pose = {"x_m": options.x, "y_m": options.y, "theta_rad": options.theta}
     with session.connected(options) as robot:

@@ -7,7 +7,6 @@ import argparse
 import math
 import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 from .errors import usage
@@ -18,18 +17,10 @@ FARTHEST = 1e4
 
 
 class Options(argparse.Namespace):
-    """The options of every command."""
+    """The options of a command: of every one, and those that its `add` names."""
 
     robot: str
     json: bool
-
-
-class RecordOptions(Options):
-    """Options of `record`."""
-
-    file: Path
-    seconds: float | None
-    force: bool
 
 
 class Parser(argparse.ArgumentParser):

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from ..recordings.rows import Rows, columns
 from . import record_mcap, record_raw, session
 from .errors import ExitCode, refused, unwritable
-from .options import RecordOptions, add_robot, add_seconds
+from .options import Options, add_robot, add_seconds
 from .output import note, print_json
 from .progress import progress
 from .recover import check_new
@@ -56,7 +56,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: RecordOptions) -> int:
+def run(options: Options) -> int:
     """Record until the time is over."""
     check_new(options.file, options.force)
     if options.file.suffix.lower() == ".pcapng":
@@ -141,7 +141,7 @@ class Sheet:
 class _Recording:
     """What has been written so far."""
 
-    def __init__(self, options: RecordOptions, robot: Robot) -> None:
+    def __init__(self, options: Options, robot: Robot) -> None:
         from roburoc4.samples import Gaps
 
         self._options = options

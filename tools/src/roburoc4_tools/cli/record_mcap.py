@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from roburoc4 import Robot
 
     from ..ros.rosbag import RosBag
-    from .options import RecordOptions
+    from .options import Options
 
 _LOOK_S = 0.2
 _CHUNK = 16 * 1024  # about a second: a killed process loses this much
 
 
-def run(options: RecordOptions) -> int:
+def run(options: Options) -> int:
     """Record until the time is over."""
     import mcap.writer  # noqa: F401  # if it is missing, no file is made
 
@@ -55,7 +55,7 @@ def run(options: RecordOptions) -> int:
     return ExitCode.FINE
 
 
-def _read(options: RecordOptions, robot: Robot, bag: RosBag, flush: Callable[[], object]) -> None:
+def _read(options: Options, robot: Robot, bag: RosBag, flush: Callable[[], object]) -> None:
     from roburoc4.notices import texts_of
 
     from ..recordings import RecordedEvent
@@ -74,7 +74,7 @@ def _read(options: RecordOptions, robot: Robot, bag: RosBag, flush: Callable[[],
             show(elapsed_s, f"recording  {bag.messages} messages")
 
 
-def _report(options: RecordOptions, bag: RosBag) -> None:
+def _report(options: Options, bag: RosBag) -> None:
     if options.json:
         print_json({"file": str(options.file), "messages": bag.messages})
     else:

@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from roburoc4 import Robot
     from roburoc4.records import RecorderState
 
-    from .options import RecordOptions
+    from .options import Options
 
 _LOOK_S = 0.2
 
 
-def run(options: RecordOptions) -> int:
+def run(options: Options) -> int:
     """Record until the time is over."""
     try:
         if options.file.is_file():
@@ -44,7 +44,7 @@ def run(options: RecordOptions) -> int:
             _remove_without_answer(options.file)
 
 
-def _record(options: RecordOptions) -> int:
+def _record(options: Options) -> int:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # what is missing is reported here
         with session.connected(options, record=options.file) as robot:
@@ -59,7 +59,7 @@ def _record(options: RecordOptions) -> int:
     return code
 
 
-def _wait(options: RecordOptions, robot: Robot) -> None:
+def _wait(options: Options, robot: Robot) -> None:
     length_s = options.seconds or math.inf
     begun_s = time.monotonic()
     with progress("recording", options.seconds) as show:
@@ -82,7 +82,7 @@ def _remove_without_answer(path: Path) -> None:
             path.unlink()
 
 
-def _report(options: RecordOptions, state: RecorderState | None) -> ExitCode:
+def _report(options: Options, state: RecorderState | None) -> ExitCode:
     if state is None:
         return ExitCode.FINE
     if options.json:

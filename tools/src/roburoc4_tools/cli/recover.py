@@ -13,14 +13,6 @@ from .output import print_json
 from .progress import progress
 
 
-class RecoverOptions(Options):
-    """Options of `recover`."""
-
-    file: Path
-    output: Path | None
-    force: bool
-
-
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
@@ -42,7 +34,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: RecoverOptions) -> int:
+def run(options: Options) -> int:
     """Recover it."""
     from roburoc4 import RecordingError
 

@@ -26,17 +26,6 @@ _MOST_DATAGRAM = 65535
 _RECEIVED_AT_ONCE = 100
 
 
-class ReplayOptions(Options):
-    """Options of `replay`."""
-
-    file: Path
-    bind: str
-    port: int
-    speed: float
-    loop: bool
-    recorded: str | None
-
-
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
@@ -70,7 +59,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: ReplayOptions) -> int:
+def run(options: Options) -> int:
     """Serve the recording until its end."""
     with opened(options.file, options.recorded) as recording, _bound(options) as port:
         from ..recordings.replay import ReplayedRobot
@@ -101,7 +90,7 @@ def run(options: ReplayOptions) -> int:
     return ExitCode.FINE
 
 
-def _bound(options: ReplayOptions) -> socket.socket:
+def _bound(options: Options) -> socket.socket:
     port = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
         port.bind((options.bind, options.port))
@@ -145,7 +134,7 @@ def _receive(port: socket.socket, robot: ReplayedRobot, wait_s: float) -> None:
         port.settimeout(0)
 
 
-def _report(options: ReplayOptions, robot: ReplayedRobot) -> None:
+def _report(options: Options, robot: ReplayedRobot) -> None:
     commands = sum(client.commands for client in robot.clients.values())
     if options.json:
         print_json(

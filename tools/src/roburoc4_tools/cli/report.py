@@ -21,15 +21,6 @@ if TYPE_CHECKING:
     from ..recordings import RecordedRobot
 
 
-class ReportOptions(Options):
-    """Options of `report`."""
-
-    file: Path
-    output: Path | None
-    recorded: str | None
-    force: bool
-
-
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
@@ -58,7 +49,7 @@ def add_recorded(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(options: ReportOptions) -> int:
+def run(options: Options) -> int:
     """Read the recording, and write the page."""
     from ..report.figures import Figures
     from ..report.page import page

@@ -33,14 +33,6 @@ _CEILING_M_S, _CEILING_RAD_S = 1.0, 1.5
 _NO_INPUT = 63  # the highest index of a digital input, where no RobuROC4 has its game pad
 
 
-class DrivingOptions(Options):
-    """Options of a command that moves the robot."""
-
-    yes: bool
-    allow_unknown_override: bool
-    robot_file: str | None
-
-
 def add_robot_file(parser: argparse.ArgumentParser) -> None:
     """Add `--robot-file`."""
     parser.add_argument(
@@ -119,7 +111,7 @@ def note_recording(robot: Robot) -> None:
 
 @contextmanager
 def driven(
-    options: DrivingOptions, speeds: tuple[float, float] = (0.0, 0.0), **more: float
+    options: Options, speeds: tuple[float, float] = (0.0, 0.0), **more: float
 ) -> Iterator[Robot]:
     """Connect to a robot that may be driven this fast: its game pad is known to be released."""
     settings = {**_ceilings(*speeds), **recording(), **robot_file_of(options), **more}
@@ -141,7 +133,7 @@ def driven(
         yield robot
 
 
-def robot_file_of(options: DrivingOptions) -> dict[str, Any]:
+def robot_file_of(options: Options) -> dict[str, Any]:
     """Return the setting of a readable robot file."""
     from roburoc4 import ArgumentError, robot_file
 
@@ -191,7 +183,7 @@ def name_of(robot: Robot, options: Options) -> str:
     return f"the robot '{options.robot}' at {robot.address}"
 
 
-def confirm(robot: Robot, options: DrivingOptions, intention: str) -> None:
+def confirm(robot: Robot, options: Options, intention: str) -> None:
     """Ask a person at the terminal once; not without a terminal, or with --yes."""
     if options.yes or not sys.stdin.isatty():
         return

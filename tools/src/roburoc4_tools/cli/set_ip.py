@@ -15,16 +15,6 @@ from .session import address_of
 TELNET_PORT = 23
 
 
-class SetIpOptions(Options):
-    """Options of `set-ip`."""
-
-    address: str
-    mask: str
-    gateway: str
-    telnet_port: int
-    yes: bool
-
-
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
@@ -49,7 +39,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: SetIpOptions) -> int:
+def run(options: Options) -> int:
     """Check, ask, change, and print what comes next."""
     settings = checked(options.address, options.mask, options.gateway)
     host = _host(options.robot)
@@ -126,7 +116,7 @@ def _host(robot: str) -> str:
     return address.rpartition(":")[0].strip("[]")
 
 
-def _confirm(options: SetIpOptions, host: str, settings: tuple[IPv4Interface, IPv4Address]) -> None:
+def _confirm(options: Options, host: str, settings: tuple[IPv4Interface, IPv4Address]) -> None:
     """Let a person decide: a wrong address can only be corrected at the robot."""
     if options.yes:
         return

@@ -17,7 +17,7 @@ from . import session
 from .deadman import DeadMan
 from .errors import ExitCode, usage, why_not_armed
 from .keyboard import Keyboard, is_ctrl_c
-from .options import add_robot
+from .options import Options, add_robot
 from .output import console
 from .signals import Signalled
 
@@ -74,7 +74,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: session.DrivingOptions) -> int:
+def run(options: Options) -> int:
     """Drive until x is pressed."""
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise usage("teleop needs a terminal: run it in one, without pipes")
