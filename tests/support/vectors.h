@@ -2,7 +2,7 @@
  *
  * vectors.h - one telegram of each kind as bytes, worked out by hand from the manual, read from
  * conformance/telegrams.json. The codec is tested on them in both directions
- * (codec_vectors_test.cpp), and docs/PROTOCOL.md shows exactly these (protocol_doc_test.cpp).
+ * (codec_vectors_test.cpp), and docs/PROTOCOL.md shows some (protocol_doc_test.cpp).
  */
 #ifndef ROBUROC4_TESTS_VECTORS_H
 #define ROBUROC4_TESTS_VECTORS_H
