@@ -110,8 +110,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"INSERT with period 0", "05 04 01 00 06 00 00", ROBUROC4_ERROR_DATA},
         Refused{"DELETE of what is not subscribed", "05 05 01 00 06 00", ROBUROC4_ERROR_DATA}));
 
-/* docs/PROTOCOL.md shows these two. */
-TEST(SimErrors, AreThoseThatTheProtocolsPageShows) {
+TEST(SimErrors, AreThoseOfTheVectors) {
     SimRobot robot;
     EXPECT_EQ(vector_bytes("error-answer"), robot.ask(from_hex("32 04 01 00 00 00 05")));
     roburoc4_sim_config config = default_sim_config();

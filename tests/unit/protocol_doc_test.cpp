@@ -80,7 +80,7 @@ Document protocol_page() {
 TEST(ProtocolDocument, ShowsTelegramsOnceAndAsTested) {
     Document document = protocol_page();
     EXPECT_EQ("", document.faults);
-    EXPECT_LE(20U, document.examples.size());
+    EXPECT_LE(10U, document.examples.size());
     for (const Vector &vector : vectors) {
         const auto shown = document.examples.find(vector.name);
         if (shown == document.examples.end())
