@@ -5,7 +5,6 @@ import csv
 import itertools
 import math
 import os
-import re
 import shutil
 import signal
 import sys
@@ -112,14 +111,10 @@ def test_the_lines_of_the_readme_drive(programs: Programs, run: Run, tmp_path: P
     assert speeds[-1] == pytest.approx(0.0, abs=0.05)
 
 
-def test_the_move_of_the_page_reaches_its_goal(
-    robot: Robot, bus: Bus, armed: Bridge, run: Run, tmp_path: Path
+def test_the_move_of_the_example_reaches_its_goal(
+    robot: Robot, bus: Bus, armed: Bridge, run: Run
 ) -> None:
-    page = (Programs.checkout() / "docs" / "lcm.md").read_text()
-    (text,) = re.findall(r"^```python\n(# move\.py\n.*?)^```$", page, re.MULTILINE | re.DOTALL)
-    script = tmp_path / "move.py"
-    script.write_text(text)
-    example = run(sys.executable, script, LCM_DEFAULT_URL=bus.url)
+    example = run(sys.executable, EXAMPLES / "move.py", LCM_DEFAULT_URL=bus.url)
     assert example.ends(40) == 0, example.output
     assert "not obeyed" not in example.output
     assert robot.true_pose()[0] == pytest.approx(0.5, abs=0.1), example.output

@@ -3,7 +3,7 @@
 #
 # readme.sh CASE ROOT BUILD [ARGUMENT...]: the C program of README.md, compiled as it says there, against
 # the simulator as real processes. CASE is what happens: drives, interrupted, silent, closed, lost; or installed: the
-# program of docs/c.md is built as it says there from what is installed; or pump: the example at the top of
+# example of docs/c.md is built as it says there from what is installed; or pump: the example at the top of
 # roburoc4_pump.h drives; or newer: compiled with shared libraries, it runs with later ones.
 set -eu
 case_name=$1
@@ -132,21 +132,21 @@ newer)
 installed)
     "$cmake" --install "$build" --config "$CONFIG" --prefix "$folder/installed" >install.log
     mkdir project
-    block first.c "$root/docs/c.md" >project/first.c
+    cp "$root/examples/drive_loop.c" project
     block CMakeLists.txt "$root/docs/c.md" >project/CMakeLists.txt
     "$cmake" -S project -B project/build "-DCMAKE_PREFIX_PATH=$folder/installed" >cmake.log
     "$cmake" --build project/build >>cmake.log
     PKG_CONFIG_PATH=$(dirname "$(find "$folder/installed" -name roburoc4-udp.pc)")
     LD_LIBRARY_PATH=$(dirname "$PKG_CONFIG_PATH")
     export PKG_CONFIG_PATH LD_LIBRARY_PATH
-    line=$(grep '^cc first.c ' "$root/docs/c.md")
+    line=$(grep '^cc drive_loop.c ' "$root/docs/c.md")
     (cd project && eval "$line -std=c99 -Wall -Wextra -Werror")
     start "$build/bin/roburoc4-sim"
     drive 0 project/build/first "$robot"
     state | tee state
     grep -q 'target 0.000 m/s 0.000 rad/s' state
     grep -qE 'odometry (0\.9[89]|1\.0[01])' state
-    drive 0 project/first "$robot"
+    drive 0 project/drive_loop "$robot"
     ;;
 *)
     echo "no such case: $case_name"
