@@ -4,9 +4,9 @@
  * with its time, in a pcapng file that Wireshark, tshark and tcpdump open.
  *
  *     roburoc4_recorder *recorder = roburoc4_recorder_open("run.pcapng", NULL, &result);
- *     roburoc4_pump_record(pump, recorder);    (or roburoc4_udp_record(&udp, recorder))
+ *     roburoc4_udp_record(&udp, recorder);    (for a pump: roburoc4_pump_record(pump, recorder))
  *     ...
- *     roburoc4_pump_destroy(pump);
+ *     roburoc4_udp_close(&udp);               (roburoc4_pump_destroy(pump))
  *     roburoc4_recorder_close(recorder, NULL);
  *
  * WHAT IT PROMISES
