@@ -110,7 +110,7 @@ typedef struct family_verdict {
 family_verdict family_judge(const family_member *member, uint64_t seed, int strict);
 
 uint64_t family_random(uint64_t *state);
-/** A line about a member, to be repeated by `moves --member`. */
+/** A line about a member. */
 void family_print(const family_member *member, const family_verdict *verdict);
 
 #ifdef __cplusplus

@@ -4,9 +4,6 @@
  *
  *     moves               figures of the family, of the nominal robot, and of squares with slip
  *     moves --faults      the members of the family whose move is not fine, one a line
- *     moves --drawn SEED  judge 2000 robots drawn at random between the members, and list those
- *                         whose move is not fine
- *     moves --member N    judge one member, without loss and with it
  *
  * Prints a line for each figure: its name, what it was measured on, its unit and its value, with
  * tabs between. bench/measure_moves.py keeps them.
@@ -71,7 +68,7 @@ static double wrapped(double angle_rad) {
     return remainder(angle_rad, 2 * PI);
 }
 
-static int32_t run(drive *d, roburoc4_move *move) {
+static void go(drive *d, roburoc4_move *move) {
     look(d, &d->begin);
     while (roburoc4_move_step(move, &d->client, now(d)) == ROBUROC4_MOVE_RUNNING) {
         const roburoc4_result driven =
@@ -81,11 +78,7 @@ static int32_t run(drive *d, roburoc4_move *move) {
     }
     pass(d, 1000000);
     look(d, &d->end);
-    return move->result;
-}
-
-static void go(drive *d, roburoc4_move *move) {
-    if (run(d, move) != ROBUROC4_MOVE_REACHED) {
+    if (move->result != ROBUROC4_MOVE_REACHED) {
         fprintf(stderr, "moves: %s\n", roburoc4_move_result_text(move->result));
         exit(1);
     }
@@ -132,125 +125,36 @@ static void measure_square(float slip, float scale_angular) {
     print("straight 2 m, really off", on, "mm", ways * 1000);
 }
 
-/* Where arcs end, on the simulator without slip: 126 of them. */
-static void measure_arcs(void) {
-    const double angles[] = {PI / 6, PI / 3, PI / 2, PI, 3 * PI / 2, 2 * PI, 4 * PI};
-    double place = 0, heading = 0;
-    unsigned ended = 0, count = 0;
-    for (int way = 0; way < 3; way++) {
-        for (int k = 0; k < 7 * 2; k++) {
-            for (int speed = 0; speed < 3; speed++) {
-                drive d;
-                roburoc4_move move;
-                roburoc4_move_options options;
-                const double length = 1 + way, angle = angles[k / 2] * (k % 2 ? -1 : 1);
-                open_world(&d, 0, ++count);
-                roburoc4_move_options_init(&options, sizeof options);
-                options.linear_m_s = 0.3F + 0.35F * (float)speed;
-                options.angular_rad_s = 1;
-                roburoc4_move_by(&move, (float)length, (float)angle, &options);
-                if (run(&d, &move) == ROBUROC4_MOVE_REACHED) {
-                    const double radius = length / angle, x = d.end.true_x_m - d.begin.true_x_m,
-                                 y = d.end.true_y_m - d.begin.true_y_m, to = d.begin.true_theta_rad;
-                    ended++;
-                    place =
-                        fmax(place, hypot(x * cos(to) + y * sin(to) - radius * sin(angle),
-                                          y * cos(to) - x * sin(to) - radius * (1 - cos(angle))));
-                    heading = fmax(heading, fabs(wrapped(d.end.true_theta_rad - to - angle)));
-                }
-                roburoc4_world_destroy(d.world);
-            }
-        }
-    }
-    print("arc", "reached", "%", 100.0 * ended / count);
-    print("arc", "place really off", "mm", place * 1000);
-    print("arc", "heading really off", "degrees", heading * DEGREES);
-}
-
 /* ------------------------------------------------------------------------------- the family --- */
 
 #define SEED 20260301U
 #define DRAWN 2000
-#define PARAMETERS 9
-#define VALUES 5
-
-typedef struct share {
-    double value[VALUES];
-    unsigned fine[VALUES], all[VALUES], count;
-} share;
-
-static const char *const parameter_names[PARAMETERS] = {"natural frequency (0: at once), rad/s",
-                                                        "damping",
-                                                        "gain",
-                                                        "dead time, ms",
-                                                        "noise of speeds, m/s",
-                                                        "odometry each, ms",
-                                                        "statuses each, ms",
-                                                        "speed asked for",
-                                                        "turn"};
-
-static void count(share *shares, const family_member *m, int fine) {
-    const double values[PARAMETERS] = {m->natural_rad_s, m->damping,   m->gain,
-                                       m->dead_ms,       m->noise_m_s, m->odometry_ms,
-                                       m->status_ms,     m->speed,     m->turn};
-    for (int i = 0; i < PARAMETERS; i++) {
-        share *s = &shares[i];
-        unsigned at = 0;
-        while (at < s->count && s->value[at] != values[i]) {
-            at++;
-        }
-        if (at == s->count) {
-            s->value[s->count++] = values[i];
-        }
-        s->all[at]++;
-        s->fine[at] += (unsigned)fine;
-    }
-}
-
-static family_verdict judge(uint32_t index, double loss) {
-    family_member m = family_member_at(index);
-    m.loss = loss;
-    return family_judge(&m, SEED + index, 0);
-}
-
 static void measure_family(double loss, int only_faults) {
-    share shares[PARAMETERS];
     unsigned fine = 0;
-    char name[96], on[64];
-    memset(shares, 0, sizeof shares);
+    char name[96];
     for (uint32_t index = 0; index < FAMILY_SIZE; index++) {
-        const family_member m = family_member_at(index);
-        const family_verdict v = judge(index, loss);
+        family_member m = family_member_at(index);
+        m.loss = loss;
+        const family_verdict v = family_judge(&m, SEED + index, 0);
         fine += v.fault == NULL;
-        count(shares, &m, v.fault == NULL);
         if (only_faults && v.fault != NULL) {
             printf("%u ", index);
             family_print(&m, &v);
         }
     }
-    if (only_faults) {
-        return;
-    }
-    snprintf(name, sizeof name, "family of %d%s", FAMILY_SIZE, loss > 0 ? ", 20 % lost" : "");
-    print(name, "moves that are fine", "%", 100.0 * fine / FAMILY_SIZE);
-    for (int i = 0; i < PARAMETERS; i++) {
-        for (unsigned k = 0; k < shares[i].count; k++) {
-            snprintf(on, sizeof on, "%s %g", parameter_names[i], shares[i].value[k]);
-            print(name, on, "%", 100.0 * shares[i].fine[k] / shares[i].all[k]);
-        }
+    if (!only_faults) {
+        snprintf(name, sizeof name, "family of %d%s", FAMILY_SIZE, loss > 0 ? ", 20 % lost" : "");
+        print(name, "moves that are fine", "%", 100.0 * fine / FAMILY_SIZE);
     }
 }
 
 /** Robots that no constant of the moves was chosen for. */
-static void measure_drawn(uint64_t seed, int list) {
+static void measure_drawn(void) {
+    uint64_t seed = SEED;
     unsigned fine = 0;
     for (int i = 0; i < DRAWN; i++) {
         const family_member m = family_member_drawn(&seed);
-        const family_verdict v = family_judge(&m, seed, 0);
-        fine += v.fault == NULL;
-        if (list && v.fault != NULL) {
-            family_print(&m, &v);
-        }
+        fine += family_judge(&m, seed, 0).fault == NULL;
     }
     print("robots drawn between the members of the family", "moves that are fine", "%",
           100.0 * fine / DRAWN);
@@ -277,31 +181,16 @@ static void measure_nominal(int turn, double speed) {
 }
 
 int main(int argc, char **argv) {
-    if (argc == 3 && strcmp(argv[1], "--member") == 0) {
-        const uint32_t index = (uint32_t)strtoul(argv[2], NULL, 10);
-        for (int i = 0; i < 2; i++) {
-            family_member m = family_member_at(index);
-            const family_verdict v = judge(index, i * 0.2);
-            m.loss = i * 0.2;
-            family_print(&m, &v);
-        }
-        return 0;
-    }
-    if (argc == 3 && strcmp(argv[1], "--drawn") == 0) {
-        measure_drawn(strtoull(argv[2], NULL, 10), 1);
-        return 0;
-    }
     const int only_faults = argc == 2 && strcmp(argv[1], "--faults") == 0;
     measure_family(0, only_faults);
     measure_family(0.2, only_faults);
     if (only_faults) {
         return 0;
     }
-    measure_drawn(SEED, 0);
+    measure_drawn();
     for (int i = 0; i < 4; i++) {
         measure_nominal(i / 2, i % 2 ? 1.0 : 0.3);
     }
-    measure_arcs();
     measure_square(0, 1);
     measure_square(0.12F, 1);
     measure_square(0.12F, 1 / 0.88F);
