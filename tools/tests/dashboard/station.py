@@ -257,6 +257,26 @@ def arm(page: Page) -> None:
     press_arm(page)
 
 
+def watched(
+    station: Callable[..., Station], visit: Callable[..., Page], **settings: Any
+) -> tuple[Station, Page]:
+    """Make a dashboard with these settings, and open its page, which shows a ready robot."""
+    here = station(**settings)
+    page = visit(here.url)
+    ready(page)
+    return here, page
+
+
+def armed(
+    station: Callable[..., Station], visit: Callable[..., Page], **settings: Any
+) -> tuple[Station, Page]:
+    """Make a dashboard and a page, which takes control and arms."""
+    here, page = watched(station, visit, **settings)
+    take_control(page)
+    press_arm(page)
+    return here, page
+
+
 def press_arm(page: Page) -> None:
     """Arm, as a person does it: again, where the page of a loaded machine was late."""
     end = time.monotonic() + PATIENCE_S

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 from playwright.sync_api import Page, expect
-from station import Station, open_tab, ready, until
+from station import Station, open_tab, ready, until, watched
 
 import roburoc4_tools.dashboard
 
@@ -55,9 +55,7 @@ def test_it_shows_what_the_simulator_reports(station: Make, visit: Visit) -> Non
 
 
 def test_speeds_targets_and_limits_are_the_robot_s(station: Make, visit: Visit) -> None:
-    here = station(enable_drive=False, slip=0.0)
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit, enable_drive=False, slip=0.0)
     marks = page.locator("#speed-linear .marks span")
     until(lambda: {"\u22122.6", "0.3", "2.6"} <= set(marks.all_text_contents()))
     here.sim.set("pad_a", True)
@@ -75,9 +73,7 @@ def test_speeds_targets_and_limits_are_the_robot_s(station: Make, visit: Visit) 
 
 
 def test_override_and_loss_are_unmistakable(station: Make, visit: Visit) -> None:
-    here = station(enable_drive=False)
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit, enable_drive=False)
     here.sim.set("pad_a", True)
     expect(page.locator("#banner-title")).to_have_text("OVERRIDE")
     expect(page.locator("#banner")).to_have_attribute("data-level", "bad")
@@ -95,9 +91,7 @@ def test_override_and_loss_are_unmistakable(station: Make, visit: Visit) -> None
 
 
 def test_the_most_urgent_condition_has_the_banner(station: Make, visit: Visit) -> None:
-    here = station(battery_percent=60.0)
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit, battery_percent=60.0)
     title, others = page.locator("#banner-title"), page.locator("#banner-more")
     expect(title).to_have_text("DISARMED")
     for warn, first, also in (
@@ -112,9 +106,7 @@ def test_the_most_urgent_condition_has_the_banner(station: Make, visit: Visit) -
 
 
 def test_no_count_of_seconds_is_spoken(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit)
     here.sim.set("power", False)
     expect(page.locator("#spoken")).to_contain_text("ROBOT LOST")
     page.evaluate(
@@ -127,9 +119,7 @@ def test_no_count_of_seconds_is_spoken(station: Make, visit: Visit) -> None:
 
 
 def test_a_bad_link_is_explained_in_plain_words(station: Make, visit: Visit) -> None:
-    here = station(enable_drive=False, panel=True)
-    page = visit(here.url)
-    ready(page)
+    _, page = watched(station, visit, enable_drive=False, panel=True)
     open_tab(page, "sim")
     page.locator("#sim input[name=loss]").fill("20")
     expect(page.locator("#banner-text")).to_contain_text("of the statuses are lost", timeout=30_000)
@@ -155,9 +145,7 @@ def test_a_page_that_opens_later_sees_what_happened(station: Make, visit: Visit)
 
 
 def test_plots_scroll_pause_and_zoom(station: Make, visit: Visit) -> None:
-    here = station(enable_drive=False)
-    page = visit(here.url)
-    ready(page)
+    _, page = watched(station, visit, enable_drive=False)
     open_tab(page, "plots")
     span = page.locator("#plot-span")
     expect(page.locator("#plots .u-legend")).to_contain_text("speed, target")
@@ -184,9 +172,7 @@ def test_plots_scroll_pause_and_zoom(station: Make, visit: Visit) -> None:
 
 
 def test_any_signal_can_be_plotted_read_and_exported(station: Make, visit: Visit) -> None:
-    here = station(battery_percent=61.0)
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit, battery_percent=61.0)
     open_tab(page, "plots")
     page.locator(".signals summary").click()
     for name in ("battery", "voltage", "distance_0", "digital_3", "round_trip", "loss", "turn"):
@@ -212,9 +198,7 @@ def right_edge(page: Page) -> float:
 
 
 def test_plots_continue_until_they_are_paused(station: Make, visit: Visit) -> None:
-    here = station(enable_drive=False)
-    page = visit(here.url)
-    ready(page)
+    _, page = watched(station, visit, enable_drive=False)
     open_tab(page, "plots")
     begun_s = right_edge(page)
     until(lambda: right_edge(page) > begun_s + 0.5)
@@ -268,9 +252,7 @@ def test_the_page_stays_small() -> None:
 def test_a_clock_that_is_set_back_leaves_the_page_alive(
     station: Make, visit: Visit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    here = station(enable_drive=False)
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit, enable_drive=False)
     open_tab(page, "plots")
     now = time.time
     monkeypatch.setattr(
@@ -319,9 +301,7 @@ def test_missing_numbers_are_dashes_and_the_page_keeps_working(station: Make, vi
 
 
 def test_switches_of_the_panel_do_what_they_say(station: Make, visit: Visit) -> None:
-    here = station(panel=True)
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit, panel=True)
     open_tab(page, "sim")
     for name in (
         "estop_local",
@@ -340,9 +320,7 @@ def test_switches_of_the_panel_do_what_they_say(station: Make, visit: Visit) -> 
 
 
 def test_motor_power_needs_what_the_manual_says(station: Make, visit: Visit) -> None:
-    here = station(panel=True)
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit, panel=True)
     open_tab(page, "sim")
     page.locator("#sim input[name=estop_local]").check()
     motor = page.get_by_role("button", name="Press the motor power button")
@@ -355,9 +333,7 @@ def test_motor_power_needs_what_the_manual_says(station: Make, visit: Visit) -> 
 
 
 def test_power_off_and_on_is_a_reboot_with_the_same_page(station: Make, visit: Visit) -> None:
-    here = station(panel=True)
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit, panel=True)
     open_tab(page, "sim")
     power = page.locator("#sim input[name=powered]")
     power.uncheck()
@@ -369,9 +345,7 @@ def test_power_off_and_on_is_a_reboot_with_the_same_page(station: Make, visit: V
 
 @pytest.mark.both
 def test_an_obstacle_is_dragged_and_the_telemeter_sees_it(station: Make, visit: Visit) -> None:
-    here = station(panel=True)
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit, panel=True)
     open_tab(page, "sim")
     free_m = here.sim.state.distances_m[0]
     page.get_by_role("button", name="Add an obstacle").click()
@@ -394,18 +368,14 @@ def test_an_obstacle_is_dragged_and_the_telemeter_sees_it(station: Make, visit: 
 
 
 def test_true_pose_is_shown_beside_odometry(station: Make, visit: Visit) -> None:
-    here = station(panel=True)
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit, panel=True)
     here.sim.place(1.0, 2.0, 0.5)
     expect(page.locator("#sim-state")).to_contain_text(re.compile(r"x 1\.00.m +y 2\.00.m"))
     expect(page.locator("#pose")).to_contain_text(re.compile(r"x 0\.00.m"))
 
 
 def test_faults_of_the_network_reach_the_simulator(station: Make, visit: Visit) -> None:
-    here = station(panel=True)
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit, panel=True)
     open_tab(page, "sim")
     for name, moved, fault in (
         ("duplicate", "10", 0.1),
@@ -419,9 +389,7 @@ def test_faults_of_the_network_reach_the_simulator(station: Make, visit: Visit) 
 
 
 def test_the_robot_s_own_game_pad_drives_the_simulator(station: Make, visit: Visit) -> None:
-    here = station(panel=True)
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit, panel=True)
     open_tab(page, "sim")
     page.locator("#sim input[name=overridden]").check()
     page.get_by_label("RT forward").fill("50")
@@ -467,9 +435,7 @@ def view(page: Page) -> list[float]:
 
 @pytest.mark.both
 def test_the_wheel_zooms_to_the_cursor(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    _, page = watched(station, visit)
     page.locator("#map-follow").click()
     box = page.locator("#map").bounding_box()
     assert box is not None
@@ -504,9 +470,7 @@ def test_map_stick_and_stop_fit_on_one_screen_of_a_phone(station: Make, visit: V
 def test_telemeter_cones_are_drawn_where_they_are_mounted(
     turned: bool, station: Make, visit: Visit
 ) -> None:
-    here = station(start_theta_rad=math.pi / 2 if turned else 0.0)
-    page = visit(here.url)
-    ready(page)
+    _, page = watched(station, visit, start_theta_rad=math.pi / 2 if turned else 0.0)
 
     def painted(right_px: int, down_px: int) -> bool:
         """Whether a pixel is painted; the robot is in the middle, and grid lines are left out."""

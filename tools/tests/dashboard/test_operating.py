@@ -17,6 +17,7 @@ from station import (
     B,
     Station,
     arm,
+    armed,
     free_port,
     hold_pad,
     open_tab,
@@ -24,6 +25,7 @@ from station import (
     ready,
     take_control,
     until,
+    watched,
 )
 
 import roburoc4
@@ -73,9 +75,7 @@ def test_a_page_that_drives_nothing_is_relieved_while_the_robot_stands(
 
 
 def test_arrow_keys_drive_after_the_slider_was_clicked(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     page.locator("#scale").click(position={"x": 5, "y": 10})
     value = page.locator("#scale").input_value()
     here.wait_until_driven(
@@ -88,9 +88,7 @@ def test_arrow_keys_drive_after_the_slider_was_clicked(station: Make, visit: Vis
 
 
 def test_a_double_click_on_take_control_arms_nothing(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit)
     take = page.locator("#take").bounding_box()
     page.locator("#take").dblclick()
     expect(page.locator("#control")).to_have_text("Control: this page")
@@ -102,9 +100,7 @@ def test_a_double_click_on_take_control_arms_nothing(station: Make, visit: Visit
 
 
 def test_a_held_enter_takes_control_and_arms_nothing(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit)
     page.locator("#take").focus()
     page.keyboard.down("Enter")
     expect(page.locator("#arm")).to_be_focused()
@@ -117,9 +113,7 @@ def test_a_held_enter_takes_control_and_arms_nothing(station: Make, visit: Visit
 
 @pytest.mark.parametrize("field", ["#events-text", "#events-level", "#record", "#scale"])
 def test_space_stops_from_every_field(field: str, station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     open_tab(page, "events")
     page.locator(field).focus()
     page.keyboard.press("Space")
@@ -128,9 +122,7 @@ def test_space_stops_from_every_field(field: str, station: Make, visit: Visit) -
 
 
 def test_a_field_takes_spaces_while_nothing_can_move(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    _, page = watched(station, visit)
     open_tab(page, "events")
     page.locator("#events-text").focus()
     page.keyboard.type("a b")
@@ -139,9 +131,7 @@ def test_a_field_takes_spaces_while_nothing_can_move(station: Make, visit: Visit
 
 
 def test_escape_closes_what_is_open(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    _, page = watched(station, visit)
     take_control(page)
     open_tab(page, "plots")
     page.locator(".signals summary").click()
@@ -156,8 +146,7 @@ def test_escape_closes_what_is_open(station: Make, visit: Visit) -> None:
 
 
 def test_a_held_escape_closes_one_thing(station: Make, visit: Visit) -> None:
-    page = visit(station().url)
-    ready(page)
+    _, page = watched(station, visit)
     open_tab(page, "plots")
     page.locator("#map-past").click()
     page.keyboard.down("Escape")
@@ -168,9 +157,7 @@ def test_a_held_escape_closes_one_thing(station: Make, visit: Visit) -> None:
 
 
 def test_r_begins_a_recording_and_ends_none(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit)
     page.keyboard.press("r")
     expect(page.locator("#recording")).to_be_visible()
     page.keyboard.press("r")
@@ -180,9 +167,7 @@ def test_r_begins_a_recording_and_ends_none(station: Make, visit: Visit) -> None
 
 
 def test_the_pad_stops_and_changes_the_speed(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     page.evaluate("makePad()")
     expect(page.locator("#pad-text")).to_contain_text("[B] STOP")
     for button, value in ((RB, "35"), (RB, "40"), (LB, "35")):
@@ -221,9 +206,7 @@ def begin_to_go(page: Page, x: str, y: str = "0") -> None:
 
 
 def test_go_to_says_the_way_and_its_time_before_it_begins(station: Make, visit: Visit) -> None:
-    here = station(lease_s=1.0)
-    page = visit(here.url)
-    arm(page)
+    _, page = armed(station, visit, lease_s=1.0)
     begin_to_go(page, "3", "4")
     expect(page.locator("#relocalize-text")).to_contain_text(
         "5.0\u202fm, 17\u202fs or more at 0.30"
@@ -235,9 +218,7 @@ def test_go_to_says_the_way_and_its_time_before_it_begins(station: Make, visit: 
 def test_a_place_that_cannot_be_is_refused_on_the_page(
     wrong: str, station: Make, visit: Visit
 ) -> None:
-    here = station(lease_s=1.0)
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit, lease_s=1.0)
     begin_to_go(page, wrong)
     page.get_by_role("button", name="Go", exact=True).click()
     expected = "x is empty: type a number." if not wrong else "x is \u22121000 to 1000\u202fm."
@@ -248,9 +229,7 @@ def test_a_place_that_cannot_be_is_refused_on_the_page(
 
 
 def test_far_places_are_asked_about(station: Make, visit: Visit) -> None:
-    here = station(lease_s=1.0)
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit, lease_s=1.0)
     begin_to_go(page, "12")
     page.get_by_role("button", name="Go", exact=True).click()
     expect(page.locator("#relocalize-warning")).to_contain_text("That is far")
@@ -261,9 +240,7 @@ def test_far_places_are_asked_about(station: Make, visit: Visit) -> None:
 
 
 def test_a_move_is_among_the_events_with_its_end(station: Make, visit: Visit) -> None:
-    here = station(lease_s=1.0)
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit, lease_s=1.0)
     events = page.locator("#events")
     for _ in range(5):  # a stall of a loaded machine may end one
         press_arm(page)
@@ -281,9 +258,7 @@ def test_a_move_is_among_the_events_with_its_end(station: Make, visit: Visit) ->
 
 
 def test_nothing_sounds_live_when_the_connection_is_lost(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     here.stop_serving()
     expect(page.locator("#mode")).to_have_text("UNKNOWN")
     expect(page.locator("#control")).to_have_text("Control: not known")
@@ -318,17 +293,14 @@ def test_nothing_can_be_answered_set_or_recorded_without_a_connection(
 
 
 def test_an_input_that_is_not_sent_says_so(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    _, page = watched(station, visit)
     take_control(page)
     hold_pad(page, rt=1.0)
     expect(page.locator("#asked")).to_have_text("game pad: not sent")
 
 
 def test_a_plot_has_a_gap_where_nothing_was_received(station: Make, visit: Visit) -> None:
-    page = visit(station(enable_drive=False).url)
-    ready(page)
+    _, page = watched(station, visit, enable_drive=False)
     gap = page.evaluate(
         """async () => {
             const { Plots } = await import("/static/plots.js");
@@ -381,9 +353,7 @@ def test_a_page_that_opens_later_has_the_same_gaps(station: Make) -> None:
 
 
 def test_a_charger_and_a_lost_pose_are_told_and_logged(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     here.sim.set("charger", True)
     expect(page.locator("#banner-title")).to_have_text("CHARGER PLUGGED IN")
     expect(page.locator("#banner-text")).to_contain_text("unplug")
@@ -401,9 +371,7 @@ def test_a_charger_and_a_lost_pose_are_told_and_logged(station: Make, visit: Vis
 
 
 def test_a_bumper_is_logged(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit)
     events = page.locator("#events")
     for pressed, text in ((True, "the rear bumper was pressed"), (False, "was released")):
         here.sim.set("rear_bumper", pressed)
@@ -411,9 +379,7 @@ def test_a_bumper_is_logged(station: Make, visit: Visit) -> None:
 
 
 def test_a_commander_that_stop_cannot_stop_is_told(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit)
     with roburoc4.connect(here.sim.address) as other:
         other.arm()
 
@@ -427,9 +393,7 @@ def test_a_commander_that_stop_cannot_stop_is_told(station: Make, visit: Visit) 
 
 
 def test_an_alarm_sounds_and_vibrates_for_whoever_wants_it(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit)
     page.evaluate("window.shakes = 0; navigator.vibrate = () => { shakes += 1; return true; }; 0")
     here.sim.set("front_bumper", True)
     expect(page.locator("#banner-title")).to_have_text("FRONT BUMPER")
@@ -465,9 +429,7 @@ def test_an_alarm_sounds_on_a_page_that_was_loaded_again(station: Make, visit: V
 
 
 def test_the_pale_band_shows_what_the_slider_gives(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    _, page = watched(station, visit)
 
     def band() -> float:
         width = page.locator("#speed-linear .full").evaluate("(node) => node.style.width")

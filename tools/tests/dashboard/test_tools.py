@@ -19,12 +19,14 @@ from station import (
     LEASE_S,
     Station,
     arm,
+    armed,
     drive,
     open_tab,
     press_arm,
     ready,
     take_control,
     until,
+    watched,
 )
 from test_looking import REFUSED
 
@@ -44,9 +46,7 @@ def text_of(download: Download) -> str:
 
 
 def test_a_recording_continues_without_the_page(station: Make, visit: Visit) -> None:
-    here = station(battery_percent=61.0)
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit, battery_percent=61.0)
     open_tab(page, "events")
     page.get_by_role("button", name="Record", exact=True).click()
     expect(page.locator("#recording")).to_be_visible()
@@ -78,9 +78,7 @@ def test_a_recording_continues_without_the_page(station: Make, visit: Visit) -> 
 def test_every_datagram_is_recorded_if_requested(
     station: Make, visit: Visit, tmp_path: Path
 ) -> None:
-    here = station(client={"record": tmp_path / "run.pcapng"})
-    page = visit(here.url)
-    ready(page)
+    _, page = watched(station, visit, client={"record": tmp_path / "run.pcapng"})
     open_tab(page, "events")
     with page.expect_download() as download:
         page.get_by_role("link", name="pcapng").click()
@@ -97,9 +95,7 @@ def test_there_is_no_recording_before_there_is_one(station: Make, visit: Visit) 
 
 
 def test_events_are_filtered_and_downloaded(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit)
     open_tab(page, "events")
     shown = page.locator("#events li:visible")
     page.locator("#events-level").select_option("bad")
@@ -123,9 +119,7 @@ def test_events_are_filtered_and_downloaded(station: Make, visit: Visit) -> None
 
 @pytest.mark.both
 def test_a_drag_on_the_map_sets_the_robots_pose(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit)
     expect(page.locator("#map-relocalize")).to_be_hidden()
     take_control(page)
     page.locator("#map-relocalize").click()
@@ -205,9 +199,7 @@ def test_a_camera_is_shown_and_no_other_picture(camera: str, station: Make, visi
 def test_a_picture_that_is_old_says_so_and_a_dead_camera_takes_no_room(
     large: bool, camera: str, station: Make, visit: Visit
 ) -> None:
-    here = station(cameras=[Camera("front", camera)])
-    page = visit(here.url)
-    ready(page)
+    _, page = watched(station, visit, cameras=[Camera("front", camera)])
     caption = page.locator("figcaption")
     expect(page.locator("figure[data-state=live]")).to_be_visible()
     expect(caption).to_have_text("front")
@@ -244,9 +236,7 @@ def test_the_chosen_robot_is_driven_and_stop_stops_all(station: Make, visit: Vis
 
 
 def test_choosing_another_robot_stops_the_one_before(station: Make, visit: Visit) -> None:
-    here = station(robots=("RED", "BLUE"))
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit, robots=("RED", "BLUE"))
     drive(here, page)
     page.get_by_role("button", name="BLUE").click()
     until(lambda: not here.robots[0].facts.armed)
@@ -282,9 +272,7 @@ def test_each_robot_goes_by_its_own_origin(station: Make, visit: Visit) -> None:
 
 @pytest.mark.both
 def test_every_robot_can_be_chosen_in_every_size(station: Make, visit: Visit) -> None:
-    here = station(robots=("RED", "BLUE", "GREEN"))
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit, robots=("RED", "BLUE", "GREEN"))
     for width, height in ((1440, 900), (390, 844), (844, 390)):
         page.set_viewport_size({"width": width, "height": height})
         for sim, name in zip(here.sims[::-1], ("GREEN", "BLUE", "RED"), strict=True):
@@ -302,9 +290,7 @@ def test_a_robot_with_an_unknown_name_is_refused(station: Make, visit: Visit) ->
 
 
 def test_a_keyboard_alone_reaches_everything(station: Make, visit: Visit) -> None:
-    here = station(panel=True)
-    page = visit(here.url)
-    ready(page)
+    _, page = watched(station, visit, panel=True)
     page.keyboard.press("l")
     wanted = {"battery", "quality", "theme", "map", "map-in", "map-clear", "tab-link", "take"}
     wanted |= {"scale", "stop", "panel-link"}
@@ -324,17 +310,14 @@ def test_a_keyboard_alone_reaches_everything(station: Make, visit: Visit) -> Non
 def test_a_slider_that_has_the_focus_leaves_letters_to_the_page(
     station: Make, visit: Visit
 ) -> None:
-    page = visit(station().url)
-    ready(page)
+    _, page = watched(station, visit)
     page.locator("#scale").focus()
     page.keyboard.press("e")
     expect(page.locator("#panel-events")).to_be_visible()
 
 
 def test_what_a_key_opens_has_the_focus(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    _, page = watched(station, visit)
     page.keyboard.press("e")
     expect(page.locator("#panel-events")).to_be_focused()
     page.keyboard.press("Tab")
@@ -346,9 +329,7 @@ def test_what_a_key_opens_has_the_focus(station: Make, visit: Visit) -> None:
 
 @pytest.mark.both
 def test_control_arm_and_drive_by_key_alone(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit)
     page.locator("#take").focus()
     page.keyboard.press("Enter")
     expect(page.locator("#arm")).to_be_focused()
@@ -446,9 +427,7 @@ def set_out(here: Station, page: Page, x_m: float, y_m: float) -> None:
 
 @pytest.mark.both
 def test_the_robot_goes_to_a_place_when_it_is_confirmed(station: Make, visit: Visit) -> None:
-    here = station(slip=0.0)
-    page = visit(here.url)
-    ready(page)
+    here, page = watched(station, visit, slip=0.0)
     take_control(page)
     expect(page.locator("#map-go")).to_be_hidden()
     press_arm(page)
@@ -486,9 +465,7 @@ def stall(page: Page) -> None:
 def test_going_ends_with_whatever_its_driver_does(
     end: Callable[[Page], None], station: Make, visit: Visit
 ) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     set_out(here, page, 4.0, 0.0)
     end(page)
     assert here.wait_until_stopped(time.monotonic()) < LEASE_S + 0.4
