@@ -24,6 +24,7 @@ SHOWN = {
     "python": "decode to an object|batch decode.*|drive.*|import|installed",
     "matlab": r"r\.drive.*|p = .*|s = r\.status.*",
     "lcm": "status.*p50|processor, [^r]*robots? as.*|processor, five.*|lost of.*",
+    "ros2": ".*",
     "dashboard": ".*",
     "moves": ".*moves that are fine|[a-z ]+ at 1.0 [a-z/]+: error|square.* by .*without.*",
     "recording": "24 h: (size|read|report)",
