@@ -122,6 +122,10 @@ class Member:
             yield "surplus_bytes", t["surplus_bytes"], 0
             if "telemeter" in usable:
                 yield "reported_distances", min(t["telemeters"], t["reported_distances"]), 0
+        # A status leaves within a period and a cycle of when it is due, and so does what is asked.
+        for service in usable:
+            late_ms = t["queue_uplink_ms"] + t[f"queue_{service}_ms"]
+            yield f"queue_{service}_ms", late_ms, 5 * (t["min_period_cycles"] + 3)
         most = t["max_subscriptions"]
         if most > 1:
             yield "subscription_lists", t["subscription_lists"], 0

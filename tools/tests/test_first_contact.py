@@ -5,6 +5,7 @@ import math
 import re
 from collections.abc import Callable
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
@@ -88,6 +89,33 @@ def test_letting_the_key_go_stops_the_robot(seconds: float) -> None:
 
     with pytest.raises(ReleasedError):
         on_the_ground(held)
+
+
+@pytest.mark.parametrize("stopped_by", ["the key", "a bumper"])
+def test_after_a_stop_it_drives_once_more_from_the_begin(stopped_by: str) -> None:
+    with Simulator(slip=SLIP) as sim:
+        sim.clear_obstacles()
+        with sim.connect(scale_linear=1.0, scale_angular=1.0) as robot:
+            person, world, checks = Person(sim), Mock(), iter(range(10**6))
+
+            def held() -> bool:
+                is_stopped = next(checks) == 50
+                if is_stopped and stopped_by != "the key":
+                    sim.set("front_bumper", 1)
+                return not is_stopped or stopped_by != "the key"
+
+            def please(key: str, text: str) -> None:
+                assert key == "again", text
+                assert stopped_by.split()[1] in text
+                assert sim.state.target_linear_m_s == 0.0
+                sim.set("front_bumper", 0)
+                robot.sleep(3.0)
+                person.at = sim.true_pose
+
+            world.held.side_effect, world.please.side_effect = held, please
+            found = first_contact.drive_on_the_ground(robot, world, person)
+    assert world.please.call_count == 1
+    assert found["scale_linear"] == pytest.approx(1.0, abs=0.02)
 
 
 def test_what_no_robot_file_can_hold_is_left_out_of_it(tmp_path: Path) -> None:

@@ -56,3 +56,5 @@ def test_what_cannot_be_in_a_file_is_refused(tmp_path: Path) -> None:
     for values in ({"nonsense": 1.0}, {"override_index": 0.5}):
         with pytest.raises(ArgumentError):
             robot_file.save(tmp_path / "robot.txt", values)
+        assert not any(robot_file.can_hold(*each) for each in values.items())
+    assert all(robot_file.can_hold(*each) for each in KNOWN.items())

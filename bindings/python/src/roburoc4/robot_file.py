@@ -9,7 +9,16 @@ from . import _native
 from .constants import Result
 from .errors import ArgumentError
 
-__all__ = ["load", "save"]
+__all__ = ["can_hold", "load", "save"]
+
+
+def can_hold(name: str, value: float) -> bool:
+    """Return whether a robot file can have this name with this number."""
+    try:
+        _native.robot_file_write({name: value})
+    except ValueError:
+        return False
+    return True
 
 
 def load(path: str | PathLike[str]) -> dict[str, float]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 from contextlib import suppress
 from pathlib import Path
@@ -18,6 +17,10 @@ from .output import note
 from .signals import Signalled, unsuspendable
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from roburoc4 import Robot
+
     from ..first_contact.contact import Contact
     from ..first_contact.terminal import TerminalWorld
 
@@ -115,14 +118,9 @@ def _keep(contact: Contact, folder: Path, name: str) -> None:
 
 def save(path: Path, known: dict[str, float]) -> None:
     """Write the robot file, without what no robot file can hold."""
-    from roburoc4 import ArgumentError, robot_file
+    from roburoc4 import robot_file
 
-    fitting = {}
-    for name, value in known.items():
-        with suppress(ArgumentError):
-            robot_file.save(os.devnull, {name: value})
-            fitting[name] = value
-    robot_file.save(path, fitting)
+    robot_file.save(path, {n: v for n, v in known.items() if robot_file.can_hold(n, v)})
 
 
 def known_robots() -> dict[str, dict[str, float]]:
@@ -136,8 +134,7 @@ def known_robots() -> dict[str, dict[str, float]]:
 
 
 def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, name: str) -> None:
-    from ..first_contact import ground
-    from ..first_contact.session import ReleasedError, UnsafeError
+    from ..first_contact.session import UnsafeError
 
     world.please(
         "ground",
@@ -153,17 +150,37 @@ def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, nam
     unscaled = {"scale_linear": 1.0, "scale_angular": 1.0}
     found: dict[str, float] = {}
     with session.connected(options, robot_file=options.folder / _FILE, **unscaled) as robot:
-        world.hold("Hold the space bar; the robot stops when it is let go.")
-        robot.arm()
         try:
-            found = ground.drive(robot, world.held, ask)
+            found = drive_on_the_ground(robot, world, ask)
         except UnsafeError as reason:
             contact.refused = reason
-        except ReleasedError:
-            raise refused("the key was let go: the robot was stopped; start again") from None
         finally:
             robot.stop()
     scales = {key: value for key, value in found.items() if key.startswith("scale_")}
     contact.session.known |= scales
     contact.session.notes |= {k: v for k, v in found.items() if k not in scales}
     _keep(contact, options.folder, name)
+
+
+def drive_on_the_ground(
+    robot: Robot, world: TerminalWorld, ask: Callable[[str], str]
+) -> dict[str, float]:
+    """Drive, from the begin once more if the robot was stopped."""
+    from roburoc4 import ClosedError, RobotError
+
+    from ..first_contact import ground
+    from ..first_contact.session import ReleasedError
+
+    while True:
+        world.hold("Hold the space bar; the robot stops when it is let go.")
+        try:
+            robot.arm()
+            return ground.drive(robot, world.held, ask)
+        except ReleasedError:
+            reason = "the key was let go"
+        except ClosedError:
+            raise
+        except RobotError as error:
+            reason = str(error)
+        robot.stop()
+        world.please("again", f"Stopped: {reason}. 5 m free all around again? Once more?")

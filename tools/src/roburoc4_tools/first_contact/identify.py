@@ -14,6 +14,7 @@ _START_S = 120.0
 _NO_SERVICE = 0xFFFE
 _NO_ACTION = 0x7E
 _SILENT_IN_A_ROW = 4
+_LONGEST_QUEUE_MS = 5000
 _INPUTS = {0: "analog_inputs", 2: "digital_inputs"}
 
 
@@ -200,15 +201,22 @@ def subscriptions(s: Session) -> None:
     refused = 0
     accepted: list[str] = []
     for service in sorted(s.ids, key=lambda name: name != "differential"):
+        s.statuses.clear()
+        asked_s = s.world.now_s
         answer = s.subscribe(service, 1)
-        if answer is not None and not answer.error and _is_heard(s, service):
+        s.pump(1.5)
+        first_s = _arrivals(s, service)[:1]
+        if answer is not None and not answer.error and first_s:
             accepted.append(service)
             if len(accepted) == 1:
                 _keep_period(s, service)
-                answer = s.unsubscribe(service)
+            asked_to_end_s = s.world.now_s
+            answer = s.unsubscribe(service)
+            if len(accepted) == 1:
                 s.learn("delete_refused", int(answer is None or bool(answer.error)))
-            else:
-                s.unsubscribe(service)
+            if not s.known["delete_refused"]:
+                s.pump(1.5)
+            _keep_queue(s, service, first_s[0] - asked_s, asked_to_end_s)
         else:
             refused |= 4 << wire.SERVICES.index(service)
         if s.known.get("delete_refused"):
@@ -220,6 +228,22 @@ def subscriptions(s: Session) -> None:
         _size(s, accepted)
         _closed_port(s, accepted[0])
         _clean(s, 2)
+
+
+def _arrivals(s: Session, service: str) -> list[float]:
+    return [x.at_s for x in s.statuses if not x.port and x.service == s.ids[service]]
+
+
+def _keep_queue(s: Session, service: str, first_s: float, asked_to_end_s: float) -> None:
+    """Keep how late statuses arrive, in whole cycles, with the way of requests to the robot.
+
+    It is less than from INSERT to the first one, and more than from DELETE to the last one.
+    """
+    least_s = first_s - CYCLE_S * (s.known["min_period_cycles"] + 1)
+    if not s.known["delete_refused"]:
+        least_s = max(least_s, _arrivals(s, service)[-1] - asked_to_end_s)
+    cycles = math.floor((max(least_s, 0.0) + first_s) / 2 / CYCLE_S)
+    s.learn(f"queue_{service}_ms", min(10 * cycles, _LONGEST_QUEUE_MS))
 
 
 def _keep_period(s: Session, service: str) -> None:

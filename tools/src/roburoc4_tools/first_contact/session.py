@@ -285,13 +285,18 @@ class Session:
                 self.pump(COMMAND_S)
 
     def stop(self) -> bool:
-        """Send zeros until the robot reports that it is at rest; False if it does not."""
+        """Send zeros, at least four, until the robot reports rest; False if it does not."""
         since_s = self.world.now_s
 
         def rests() -> bool:
             new = [s for s in self.samples[-3:] if s.asked_s > since_s + 2 * CYCLE_S]
-            return len(new) == 3 and all(
-                max(map(abs, s.target)) < 1e-3 and max(map(abs, s.speed)) < 0.03 for s in new
+            four_s = 3 * COMMAND_S + CYCLE_S
+            return (
+                self.world.now_s > since_s + four_s
+                and len(new) == 3
+                and all(
+                    max(map(abs, s.target)) < 1e-3 and max(map(abs, s.speed)) < 0.03 for s in new
+                )
             )
 
         self.run(8.0, (0.0, 0.0), rests)

@@ -16,6 +16,8 @@ LATEST_S = 0.45
 LONGEST_WATCHDOG_S = 2.0
 _DRAWN_S = 5.0
 LIFTED_BY = "stops"
+_STEADY = 150
+"""For how many cycles speeds must not change."""
 _EARLIEST_S = -0.3
 """How long before a person acts the last command is sent, at most."""
 
@@ -103,16 +105,16 @@ def _slowest(s: Session, axis: int, sign: int) -> float:
     return 0.0
 
 
-def _settle(s: Session, command: tuple[float, float], most_s: float = 10.0) -> None:
-    """Drive until the speeds do not change any more."""
+def _settle(s: Session, command: tuple[float, float], most_s: float = 12.0) -> None:
+    """Drive until the speeds do not change any more: for longer than at the peak of a swing."""
     begin_s = s.world.now_s
     axis = 1 if command[1] else 0
 
     def settled() -> bool:
-        last = [x.speed[axis] for x in s.samples[-60:]]
+        last = [x.speed[axis] for x in s.samples[-_STEADY:]]
         return (
-            s.world.now_s > begin_s + 1.2
-            and len(last) == 60
+            s.world.now_s > begin_s + _STEADY * CYCLE_S + 0.6
+            and len(last) == _STEADY
             and max(last) - min(last) < 1e-3 * abs(command[axis])
         )
 
@@ -352,7 +354,9 @@ def _lead(s: Session, samples: list[wire.Speeds], target: float, zero_s: float) 
     trip_s = s.known["queue_answer_ms"] / 1000
     dropped = [x.asked_s for x in samples if abs(x.target[0] - target) > 1e-3]
     if dropped and dropped[0] < zero_s + 0.1:  # later it is the watchdog
-        return min(max(zero_s - dropped[0], 0.0), trip_s)
+        lead_s = min(max(zero_s - dropped[0], 0.0), trip_s)
+        s.notes["of all delays, on the way to the robot, within 0.1, s"] = round(lead_s, 2)
+        return lead_s
     return trip_s if s.known["robot_watchdog_ms"] / 1000 > trip_s + 0.4 else trip_s / 2
 
 
