@@ -22,8 +22,8 @@ ABOUT = (
     "which gives a plain tuple. `lcm`, `construct` (compiled) and "
     "`pymavlink` decode their own form of the same fields. *Batch*: roburoc4 checks each status, "
     "and reports the bad ones; NumPy (`frombuffer`, which needs one buffer: a list is joined "
-    "first) copies the bytes and checks nothing; `struct` makes a tuple of each. drive() and "
-    "reading a property are of a robot that is connected to a simulator over UDP, with the pump "
+    "first) copies the bytes and checks nothing; `struct` makes a tuple of each. drive() is "
+    "of a robot that is connected to a simulator over UDP, with the pump "
     "running. *Installed* is every file of the distribution but bytecode."
 )
 LAYOUT = struct.Struct("<BHQ4f")
@@ -33,13 +33,6 @@ Tuple = collections.namedtuple(
     "target_angular_rad_s current_angular_rad_s",
 )
 WIRE = LAYOUT.pack(0xFF, 6, 123456, 1.0, 0.75, -0.5, -0.25)
-# The other four statuses: layout and values.
-OTHERS = {
-    "IO card": (struct.Struct("<BHQ9f3s"), (0xFF, 2, 123456, *[0.5] * 9, b"\x01\x83\x3f")),
-    "telemeter": (struct.Struct("<BHQ2f"), (0xFF, 3, 123456, 1.25, 3.5)),
-    "battery": (struct.Struct("<BHQBB"), (0xFF, 4, 123456, 2, 80)),
-    "localization": (struct.Struct("<BHQ3dI"), (0xFF, 5, 123456, 1.5, -2.25, 0.75, 0x12)),
-}
 AIM_US = 0.6
 BATCH = 100_000
 
@@ -119,12 +112,6 @@ def measure_decode(part, timer, generated):
             timer.us(work),
             **({"aim": AIM_US} if name == "roburoc4" else {}),
         )
-    for service, (form, values) in OTHERS.items():
-        wire = form.pack(*values)
-        check(service, protocol.decode(wire))
-        name = f"decode to an object: {service}"
-        add(part, name, "roburoc4", "us", timer.us(lambda w=wire: protocol.decode(w)), aim=AIM_US)
-        add(part, name, "struct", "us", timer.us(lambda w=wire, f=form: f.unpack(w)))
 
 
 def measure_batch(part, timer):
@@ -164,14 +151,6 @@ def measure_robot(part, timer):
     with roburoc4.Simulator(port=0) as simulator, simulator.connect() as robot:
         robot.arm()
         add(part, "drive()", "roburoc4", "us", timer.us(lambda: robot.drive(0.0, 0.0)))
-        add(
-            part,
-            "read a property (robot.differential)",
-            "roburoc4",
-            "us",
-            timer.us(lambda: robot.differential),
-        )
-        add(part, "read a property (robot.state)", "roburoc4", "us", timer.us(lambda: robot.state))
 
 
 def import_ms(module, path, repetitions):
@@ -211,7 +190,6 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--peers", type=pathlib.Path, required=True)
-    parser.add_argument("--wheel", type=pathlib.Path, required=True)
     parser.add_argument("--quick", action="store_true")
     given = parser.parse_args()
     versions = [
@@ -225,7 +203,6 @@ def main():
     measure_batch(part, timer)
     measure_robot(part, timer)
     measure_imports(part, given.peers, given.quick)
-    part.add("wheel", "roburoc4", "kB", round(given.wheel.stat().st_size / 1000))
     for distribution, name in (
         ("roburoc4", "roburoc4"),
         ("lcm", "lcm"),

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * lcm_sink LCM_URL PERIOD_CYCLES SECONDS [SERVICES]: counts the statuses of all robots on an LCM
- * network (of all services, or of SERVICES such as DIFFERENTIAL|IOCARD), and those that are
- * missing: each service's robot_cycles must advance in steps of PERIOD_CYCLES. Prints "channels C
- * messages M lost L", of the time between the first full second and the end.
+ * lcm_sink LCM_URL PERIOD_CYCLES SECONDS: counts the statuses of all robots on an LCM network, and
+ * those that are missing: each service's robot_cycles must advance in steps of PERIOD_CYCLES.
+ * Prints "channels C messages M lost L", of the time between the first full second and the end.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <lcm/lcm.h>
@@ -12,8 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-
-#include "roburoc4_lcm.h"
 
 #define MAX_CHANNELS 5000
 /* Where every status has its robot_cycles: after the fingerprint and the utime. */
@@ -77,53 +74,29 @@ static void on_message(const lcm_recv_buf_t *buffer, const char *channel, void *
     counted->cycles = cycles;
 }
 
-/* Each bridge counts from its start; the last count of each of its robots is kept. */
-static void on_statistics(const lcm_recv_buf_t *buffer, const char *channel, void *user) {
-    sink *bridges = user;
-    counted *counted = find(bridges, channel);
-    roburoc4_lcm_bridge_statistics_t said;
-    if (counted != NULL && roburoc4_lcm_bridge_statistics_t_decode(
-                               buffer->data, 0, (int)buffer->data_size, &said) >= 0) {
-        counted->lost = (uint64_t)(said.lost + said.publish_errors);
-        roburoc4_lcm_bridge_statistics_t_decode_cleanup(&said);
-    }
-}
-
-static uint64_t sum_of_lost(const sink *sink) {
-    uint64_t lost = 0;
-    for (size_t index = 0; index < sink->count; index++) {
-        lost += sink->channels[index].lost;
-    }
-    return lost;
-}
-
 int main(int count, char **arguments) {
     static sink sink;
-    static struct sink bridges;
-    lcm_t *lcm = count == 4 || count == 5 ? lcm_create(arguments[1]) : NULL;
+    lcm_t *lcm = count == 4 ? lcm_create(arguments[1]) : NULL;
     if (lcm == NULL) {
-        (void)fprintf(stderr, "usage: lcm_sink LCM_URL PERIOD_CYCLES SECONDS [CHANNELS]\n");
+        (void)fprintf(stderr, "usage: lcm_sink LCM_URL PERIOD_CYCLES SECONDS\n");
         return 1;
     }
     sink.period = strtoull(arguments[2], NULL, 10);
     double seconds = strtod(arguments[3], NULL);
-    const char *channels =
-        count == 5 ? arguments[4] : ".*_(DIFFERENTIAL|LOCALIZATION|BATTERY|TELEMETER|IOCARD)";
-    lcm_subscription_t *all = lcm_subscribe(lcm, channels, on_message, &sink);
+    lcm_subscription_t *all = lcm_subscribe(
+        lcm, ".*_(DIFFERENTIAL|LOCALIZATION|BATTERY|TELEMETER|IOCARD)", on_message, &sink);
     (void)lcm_subscription_set_queue_capacity(all, 0);
-    (void)lcm_subscribe(lcm, ".*_BRIDGE_STATISTICS", on_statistics, &bridges);
     double begun_s = now_s();
     while (now_s() < begun_s + 1.0 + seconds) {
         (void)lcm_handle_timeout(lcm, 10);
         sink.counting = now_s() > begun_s + 1.0;
     }
-    uint64_t messages = 0;
+    unsigned long long messages = 0, lost = 0;
     for (size_t index = 0; index < sink.count; index++) {
         messages += sink.channels[index].messages;
+        lost += sink.channels[index].lost;
     }
-    (void)printf("channels %zu messages %llu lost %llu bridge %llu\n", sink.count,
-                 (unsigned long long)messages, (unsigned long long)sum_of_lost(&sink),
-                 (unsigned long long)sum_of_lost(&bridges));
+    (void)printf("channels %zu messages %llu lost %llu\n", sink.count, messages, lost);
     lcm_destroy(lcm);
     return 0;
 }
