@@ -22,7 +22,7 @@ def versions(build):
     return found + figures.pinned("nanopb", "pymavlink")
 
 
-MESSAGES = ("iocard", "telemeter", "battery", "localization", "differential", "drive")
+MESSAGES = ("iocard", "differential")
 
 
 def place(name):

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the codecs that are compared have in common: six messages with the same fields and values,
- * and what each codec offers for them. The structs of all peers name their fields alike, so that
- * one template fills each.
+ * What the codecs that are compared have in common: two messages, a long and a short one, with the
+ * same fields and values, and what each codec offers for them. The structs of all peers name their
+ * fields alike, so that one template fills each.
  */
 #ifndef BENCH_MESSAGES_H
 #define BENCH_MESSAGES_H
@@ -63,29 +63,6 @@ template <class T> void fill_iocard(T &v) {
     v.digital[2] = 0x3F;
 }
 
-template <class T> void fill_telemeter(T &v) {
-    v.service = 3;
-    v.robot_cycles = 123456;
-    v.distance_m[0] = 1.25F;
-    v.distance_m[1] = 3.5F;
-}
-
-template <class T> void fill_battery(T &v) {
-    v.service = 4;
-    v.robot_cycles = 123456;
-    v.state = 2;
-    v.remaining_percent = 80;
-}
-
-template <class T> void fill_localization(T &v) {
-    v.service = 5;
-    v.robot_cycles = 123456;
-    v.x_m = 1.5;
-    v.y_m = -2.25;
-    v.theta_rad = 0.75;
-    v.flags = 0x12;
-}
-
 template <class T> void fill_differential(T &v) {
     v.service = 6;
     v.robot_cycles = 123456;
@@ -93,12 +70,6 @@ template <class T> void fill_differential(T &v) {
     v.current_linear_m_s = 0.75F;
     v.target_angular_rad_s = -0.5F;
     v.current_angular_rad_s = -0.25F;
-}
-
-template <class T> void fill_drive(T &v) {
-    v.service = 6;
-    v.linear_m_s = 0.5F;
-    v.angular_rad_s = -0.25F;
 }
 
 /** What a codec works on: the values that go in, and those that came out. */

@@ -5,12 +5,8 @@
 #include "messages.h"
 
 extern "C" {
-#include "peer_battery_t.h"
 #include "peer_differential_t.h"
-#include "peer_drive_t.h"
 #include "peer_iocard_t.h"
-#include "peer_localization_t.h"
-#include "peer_telemeter_t.h"
 }
 
 namespace {
@@ -34,14 +30,7 @@ message_codec of(const char *message) {
 } // namespace
 
 message_codecs lcm_codecs() {
-    return {
-        of<peer_iocard_t, fill_iocard, peer_iocard_t_encode, peer_iocard_t_decode>("iocard"),
-        of<peer_telemeter_t, fill_telemeter, peer_telemeter_t_encode, peer_telemeter_t_decode>(
-            "telemeter"),
-        of<peer_battery_t, fill_battery, peer_battery_t_encode, peer_battery_t_decode>("battery"),
-        of<peer_localization_t, fill_localization, peer_localization_t_encode,
-           peer_localization_t_decode>("localization"),
-        of<peer_differential_t, fill_differential, peer_differential_t_encode,
-           peer_differential_t_decode>("differential"),
-        of<peer_drive_t, fill_drive, peer_drive_t_encode, peer_drive_t_decode>("drive")};
+    return {of<peer_iocard_t, fill_iocard, peer_iocard_t_encode, peer_iocard_t_decode>("iocard"),
+            of<peer_differential_t, fill_differential, peer_differential_t_encode,
+               peer_differential_t_decode>("differential")};
 }

@@ -40,17 +40,8 @@ message_codec of(const char *message) {
 } // namespace
 
 message_codecs mavlink_codecs() {
-    return {
-        of<mavlink_iocard_t, fill_iocard, mavlink_msg_iocard_encode, mavlink_msg_iocard_decode>(
-            "iocard"),
-        of<mavlink_telemeter_t, fill_telemeter, mavlink_msg_telemeter_encode,
-           mavlink_msg_telemeter_decode>("telemeter"),
-        of<mavlink_battery_t, fill_battery, mavlink_msg_battery_encode, mavlink_msg_battery_decode>(
-            "battery"),
-        of<mavlink_localization_t, fill_localization, mavlink_msg_localization_encode,
-           mavlink_msg_localization_decode>("localization"),
-        of<mavlink_differential_t, fill_differential, mavlink_msg_differential_encode,
-           mavlink_msg_differential_decode>("differential"),
-        of<mavlink_drive_t, fill_drive, mavlink_msg_drive_encode, mavlink_msg_drive_decode>(
-            "drive")};
+    return {of<mavlink_iocard_t, fill_iocard, mavlink_msg_iocard_encode, mavlink_msg_iocard_decode>(
+                "iocard"),
+            of<mavlink_differential_t, fill_differential, mavlink_msg_differential_encode,
+               mavlink_msg_differential_decode>("differential")};
 }

@@ -24,30 +24,15 @@ struct mover {
 
 /* Which fields there are, once for both directions: `move` puts or gets one. */
 template <class V, class F> void body(V &v, F move) {
-    if constexpr (requires { v.robot_cycles; }) {
-        move(v.robot_cycles);
-    }
+    move(v.robot_cycles);
     if constexpr (requires { v.analog; }) {
         move(v.analog);
         move(v.digital);
-    } else if constexpr (requires { v.distance_m; }) {
-        move(v.distance_m);
-    } else if constexpr (requires { v.remaining_percent; }) {
-        move(v.state);
-        move(v.remaining_percent);
-    } else if constexpr (requires { v.x_m; }) {
-        move(v.x_m);
-        move(v.y_m);
-        move(v.theta_rad);
-        move(v.flags);
-    } else if constexpr (requires { v.target_linear_m_s; }) {
+    } else {
         move(v.target_linear_m_s);
         move(v.current_linear_m_s);
         move(v.target_angular_rad_s);
         move(v.current_angular_rad_s);
-    } else {
-        move(v.linear_m_s);
-        move(v.angular_rad_s);
     }
 }
 
@@ -74,9 +59,5 @@ template <class T, void (*fill)(T &)> message_codec of(const char *message) {
 
 message_codecs memcpy_codecs() {
     return {of<iocard_values, fill_iocard>("iocard"),
-            of<telemeter_values, fill_telemeter>("telemeter"),
-            of<battery_values, fill_battery>("battery"),
-            of<localization_values, fill_localization>("localization"),
-            of<differential_values, fill_differential>("differential"),
-            of<drive_values, fill_drive>("drive")};
+            of<differential_values, fill_differential>("differential")};
 }

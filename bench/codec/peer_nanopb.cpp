@@ -29,9 +29,5 @@ message_codec of(const char *message) {
 
 message_codecs nanopb_codecs() {
     return {of<peer_iocard, fill_iocard, &peer_iocard_msg>("iocard"),
-            of<peer_telemeter, fill_telemeter, &peer_telemeter_msg>("telemeter"),
-            of<peer_battery, fill_battery, &peer_battery_msg>("battery"),
-            of<peer_localization, fill_localization, &peer_localization_msg>("localization"),
-            of<peer_differential, fill_differential, &peer_differential_msg>("differential"),
-            of<peer_drive, fill_drive, &peer_drive_msg>("drive")};
+            of<peer_differential, fill_differential, &peer_differential_msg>("differential")};
 }
