@@ -97,7 +97,7 @@ def test_close_can_be_called_twice_and_values_stay(served: Simulator) -> None:
 
 
 def test_stop_from_another_thread_latches(served: Simulator) -> None:
-    with roburoc4.connect(served.address) as robot:
+    with roburoc4.connect(served.address, lease_ms=1000) as robot:
         robot.arm()
         threading.Timer(0.5, robot.stop).start()
         with pytest.raises(roburoc4.NotArmedError, match="stop") as caught:
@@ -114,7 +114,7 @@ def test_stop_from_another_thread_latches(served: Simulator) -> None:
 
 
 def test_stop_from_another_thread_ends_drive_for(served: Simulator) -> None:
-    with roburoc4.connect(served.address) as robot:
+    with roburoc4.connect(served.address, lease_ms=1000) as robot:
         robot.arm()
         threading.Timer(0.5, robot.stop).start()
         with pytest.raises(roburoc4.NotArmedError) as caught:

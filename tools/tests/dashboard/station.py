@@ -214,6 +214,21 @@ class Station:
             press_arm(page)
             hold()
 
+    def wait_until_inhibited(self, page: Page) -> None:
+        """Hold forward until the robot is disarmed because it does not follow.
+
+        Where a stall of a loaded machine disarms it before that, release, arm and try again.
+        """
+        hold_pad(page, rt=1.0)
+        until(lambda: not self.robot.facts.armed)
+        end = time.monotonic() + 3 * PATIENCE_S
+        while self.robot.facts.disarm_cause != roburoc4.Result.INHIBITED:
+            assert time.monotonic() < end, "the robot never counted as inhibited"
+            page.evaluate("hold(0, 0)")
+            press_arm(page)
+            hold_pad(page, rt=1.0)
+            until(lambda: not self.robot.facts.armed)
+
     def wait_until_stopped(self, begun_s: float) -> float:
         """Wait for the first zero; return how long after ``begun_s`` it came, without stalls."""
         watch = Stopwatch(begun_s)

@@ -593,11 +593,11 @@ def test_override_disarms_and_is_shown(station: Make, visit: Visit) -> None:
 
 
 def test_inhibited_motion_disarms_and_is_shown(station: Make, visit: Visit) -> None:
-    here = station()
+    here = station(lease_s=1.0)
     here.sim.set("estop_remote", True)
     page = visit(here.url)
     arm(page)
-    hold_pad(page, rt=1.0)
+    here.wait_until_inhibited(page)
     expect(page.locator("#banner-text")).to_contain_text(
         "did not follow its commands: check emergency stops"
     )

@@ -10,8 +10,6 @@ from playwright.sync_api import Page, expect
 from state_table import CALM, MOVES, STATES, Frame, conflict, merged
 from station import Station, arm, hold_pad, press_arm, ready, until
 
-import roburoc4
-
 Visit = Callable[..., Page]
 Make = Callable[..., Station]
 
@@ -132,13 +130,7 @@ def test_what_is_past_is_not_a_state(station: Make, visit: Visit) -> None:
     here.sim.set("estop_remote", True)
     page = visit(here.url)
     arm(page)
-    hold_pad(page, rt=1.0)
-    until(lambda: not here.robot.facts.armed)
-    while here.robot.facts.disarm_cause != roburoc4.Result.INHIBITED:  # a stall ended it
-        page.evaluate("hold(0, 0)")
-        press_arm(page)
-        hold_pad(page, rt=1.0)
-        until(lambda: not here.robot.facts.armed)
+    here.wait_until_inhibited(page)
     page.evaluate("hold(0, 0)")
     expect(page.locator("#banner-text")).to_contain_text("The robot did not follow its commands")
     here.sim.set("estop_remote", False)
@@ -165,6 +157,7 @@ def test_an_unconfirmed_stop_ends_when_the_robot_stands(station: Make, visit: Vi
     page = visit(here.url)
     ready(page)
     here.sim.set("pad_a", True)
+    until(lambda: here.robot.facts.overridden)  # else its target is another commander's
     here.sim.set("pad_rt", 0.0)
     until(lambda: here.sim.state.wheel_linear_m_s > 0.5)
     page.locator("#stop").click()  # which the robot ignores now
@@ -174,7 +167,9 @@ def test_an_unconfirmed_stop_ends_when_the_robot_stands(station: Make, visit: Vi
     until(lambda: here.sim.state.wheel_linear_m_s == 0.0)
     expect(page.locator("#banner-title")).to_have_text("DISARMED")
     here.sim.set("pad_a", True)
+    until(lambda: here.robot.facts.overridden)
     here.sim.set("pad_rt", 0.0)
+    until(lambda: here.sim.state.wheel_linear_m_s > 0.5)
     expect(page.locator("#banner-title")).to_have_text("OVERRIDE")
     expect(page.locator("#banner-more")).not_to_contain_text("STOP NOT CONFIRMED")
 
