@@ -64,7 +64,8 @@ uint64_t drawn;
 struct Socket {
     roburoc4_address robot{}, own{};
     std::deque<Bytes> inbox;
-    bool refused = false;
+    bool refused = false, is_bound = false;
+    int connects = 0;
 };
 std::map<int64_t, Socket> sockets;
 
@@ -476,6 +477,7 @@ void roburoc4_os_close(int64_t socket) {
 
 roburoc4_os_outcome roburoc4_os_bind(int64_t socket, const roburoc4_address *local) {
     sockets.at(socket).own = *local;
+    sockets.at(socket).is_bound = true;
     return outcome_of(sys.bind_fault);
 }
 
@@ -483,11 +485,11 @@ roburoc4_os_outcome roburoc4_os_connect(int64_t socket, const roburoc4_address *
     sys.connects_us.push_back(sys.now_us);
     Socket &connected = sockets.at(socket);
     connected.robot = *address;
-    if (connected.own.family == 0) {
+    if (!connected.is_bound) { /* another one each time */
         connected.own.family = 4;
         connected.own.ip[0] = 10;
         connected.own.ip[3] = 2;
-        connected.own.port = static_cast<uint16_t>(40000 + socket);
+        connected.own.port = static_cast<uint16_t>(40000 + socket + 100 * connected.connects++);
     }
     return outcome_of(sys.connect_fault);
 }
@@ -495,6 +497,7 @@ roburoc4_os_outcome roburoc4_os_connect(int64_t socket, const roburoc4_address *
 roburoc4_os_outcome roburoc4_os_send(int64_t socket, const uint8_t *datagram, size_t size) {
     Socket &sender = sockets.at(socket);
     uint32_t fault = sys.send_fault;
+    sys.now_us += sys.send_takes_us;
     if (!sys.send_faults.empty()) {
         fault = sys.send_faults.front();
         sys.send_faults.pop_front();

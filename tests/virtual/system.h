@@ -43,7 +43,7 @@ struct System {
     std::deque<uint32_t> send_faults;          /* of the next sends, before that */
     std::deque<int> receives;                  /* results of the next receives, before what came */
     bool receive_forever = false;              /* a datagram is always there */
-    uint64_t receive_takes_us = 0;
+    uint64_t receive_takes_us = 0, send_takes_us = 0;
     bool waits_fail = false; /* the socket cannot be waited for */
     std::vector<Bytes> sent, received;
     std::vector<uint64_t> sent_us, connects_us;

@@ -2,9 +2,12 @@
  *
  * The UDP adapter on a network whose every failure happens exactly when it is wanted.
  */
+#include "pcapng.h"
 #include "system.h"
 
 #include <gtest/gtest.h>
+
+#include <set>
 
 extern "C" {
 #include "os.h"
@@ -99,6 +102,93 @@ TEST_F(Faults, AnAddressThatItCannotUseLeavesNoSocketOpen) {
         EXPECT_EQ(udp_.fault, fault);
     }
     EXPECT_EQ(sys.sockets, 0);
+}
+
+TEST_F(Faults, ALinkLocalAddressOfItsOwnNeedsAZone) {
+    roburoc4_address local{};
+    address_.family = local.family = 6;
+    address_.ip[0] = 0x20;
+    local.ip[0] = 0xFE;
+    local.ip[1] = 0x80;
+    EXPECT_EQ(roburoc4_udp_open_from(&udp_, sizeof udp_, &address_, &local), ROBUROC4_ERR_ARGUMENT);
+    local.scope = 2;
+    EXPECT_EQ(roburoc4_udp_open_from(&udp_, sizeof udp_, &address_, &local), ROBUROC4_OK);
+}
+
+TEST_F(Faults, WhatWasNeverOpenedHasNoDescriptor) {
+    EXPECT_EQ(roburoc4_udp_fd(&udp_), -1) << "0 is somebody's";
+}
+
+TEST_F(Faults, EveryFaultOfThePathIsReconnected) {
+    for (const uint32_t fault : {uint32_t{ROBUROC4_FAULT_UNREACHABLE},
+                                 uint32_t{ROBUROC4_FAULT_DOWN}, uint32_t{ROBUROC4_FAULT_OTHER}}) {
+        TearDown();
+        SetUp();
+        open();
+        sys.send_fault = fault;
+        live(5000000);
+        EXPECT_GE(sys.connects_us.size(), 4u) << fault;
+    }
+}
+
+TEST_F(Faults, IsReconnectedOnceWhileNothingIsSent) {
+    open();
+    sys.send_faults = {ROBUROC4_FAULT_DOWN};
+    EXPECT_EQ(roburoc4_udp_transmit_all(&udp_, &client_), 0);
+    ASSERT_EQ(roburoc4_client_init(&client_, sizeof client_, nullptr), ROBUROC4_OK); /* is idle */
+    for (int second = 0; second < 10; second++) {
+        sys.now_us += 1000000;
+        EXPECT_EQ(roburoc4_udp_transmit_all(&udp_, &client_), 0);
+    }
+    EXPECT_EQ(count(ROBUROC4_UDP_COUNT_RECONNECTS), 1u);
+    EXPECT_EQ(sys.connects_us.size(), 2u);
+}
+
+TEST_F(Faults, AReconnectingThatFailsIsReportedAndTriedAgain) {
+    open();
+    sys.send_fault = ROBUROC4_FAULT_DOWN;
+    live(500000);
+    EXPECT_EQ(udp_.fault, uint32_t{ROBUROC4_FAULT_DOWN});
+    sys.connect_fault = ROBUROC4_FAULT_UNREACHABLE;
+    const uint32_t faults = count(ROBUROC4_UDP_COUNT_FAULTS);
+    const uint32_t dropped = count(ROBUROC4_UDP_COUNT_DROPPED);
+    live(4000000);
+    EXPECT_EQ(udp_.fault, uint32_t{ROBUROC4_FAULT_UNREACHABLE});
+    EXPECT_GE(count(ROBUROC4_UDP_COUNT_FAULTS), faults + 3);
+    EXPECT_GT(count(ROBUROC4_UDP_COUNT_DROPPED), dropped);
+    EXPECT_EQ(count(ROBUROC4_UDP_COUNT_RECONNECTS), 0u);
+}
+
+TEST_F(Faults, ARecordingShowsBothAddressesOfEachDatagram) {
+    roburoc4_recorder_options options{};
+    options.size = sizeof options;
+    roburoc4_recorder *recorder = roburoc4_recorder_open("run.pcapng", &options, nullptr);
+    ASSERT_NE(recorder, nullptr);
+    open();
+    ASSERT_EQ(roburoc4_udp_record(&udp_, recorder), ROBUROC4_OK);
+    for (int path = 0; path < 2; path++) {
+        sys.receives = {ROBUROC4_OS_DATAGRAM};
+        live(500000);
+        sys.send_faults = {ROBUROC4_FAULT_DOWN}; /* it gets another address of its own */
+        live(1500000);
+    }
+    ASSERT_EQ(count(ROBUROC4_UDP_COUNT_RECONNECTS), 2u);
+    const uint32_t sent = count(ROBUROC4_UDP_COUNT_SENT);
+    roburoc4_recorder_state last{};
+    ASSERT_EQ(roburoc4_recorder_close(recorder, &last), ROBUROC4_OK);
+    const test::Capture capture = test::read_capture(sys.files.at("run.pcapng"));
+    std::set<uint16_t> own_ports;
+    uint32_t outbound = 0;
+    for (const test::RecordedDatagram &datagram : capture.datagrams) {
+        const bool inbound = datagram.flags == 1;
+        outbound += !inbound;
+        EXPECT_EQ(inbound ? datagram.from_port : datagram.to_port, 60000);
+        own_ports.insert(inbound ? datagram.to_port : datagram.from_port);
+    }
+    EXPECT_EQ(outbound, sent) << "what was not sent is not recorded";
+    EXPECT_EQ(capture.datagrams.size(), sent + 2);
+    EXPECT_EQ(own_ports.size(), 3u);
+    EXPECT_EQ(own_ports.count(0), 0u);
 }
 
 TEST_F(Faults, APathThatFailsForASecondIsReconnected) {
@@ -220,6 +310,13 @@ TEST_F(Faults, WaitingEndsAtTheEarlierOfDeadlineAndTimeout) {
     uint64_t left_us = roburoc4_client_next_deadline(&client_) - sys.now_us;
     roburoc4_udp_wait(&udp_, &client_, UINT32_MAX);
     EXPECT_EQ(sys.waited_us, left_us);
+}
+
+TEST_F(Faults, WaitingForADeadlineThatHasPassedTakesNoTime) {
+    open();
+    sys.send_takes_us = 2000000; /* by then the next try is due */
+    roburoc4_udp_wait(&udp_, &client_, 1000000);
+    EXPECT_EQ(sys.waited_us, 0u);
 }
 
 } // namespace
