@@ -61,8 +61,7 @@ struct Served {
         roburoc4_result result = 1;
         EXPECT_EQ(roburoc4_udp_resolve("127.0.0.1", sim_host_port(host.get()), &address),
                   ROBUROC4_OK);
-        const roburoc4_config patient = test::patient_config();
-        Pump pump(roburoc4_pump_create(&address, &patient, 0, nullptr, &result));
+        Pump pump(roburoc4_pump_create(&address, nullptr, 0, nullptr, &result));
         EXPECT_EQ(result, ROBUROC4_OK);
         return pump;
     }

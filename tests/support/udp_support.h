@@ -35,16 +35,6 @@ inline sockaddr_in loopback(uint16_t port, const char *ip = "127.0.0.1") {
     return address;
 }
 
-/* Settings of a client in real time: a machine that does not run it for a while must not make it
- * disarm. */
-inline roburoc4_config patient_config() {
-    roburoc4_config config;
-    roburoc4_config_init(&config, sizeof config);
-    config.fresh_ms = 1000;
-    config.lost_ms = 3000;
-    return config;
-}
-
 /* A datagram and who sent it. */
 struct Received {
     std::vector<uint8_t> bytes;
