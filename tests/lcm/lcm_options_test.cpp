@@ -408,6 +408,57 @@ TEST(LcmOptions, LcmUrlsAreTakenAsLcmReadsThem) {
         EXPECT_EQ(OPTIONS_RUN, read({"-l", url}).result) << url;
 }
 
+TEST(LcmOptions, ANumberThatIsTooLongIsNoSmallerOne) {
+    for (const char *ms : {"4294967596", "18446744073709551916"}) /* 300 and a power of 2 */
+        EXPECT_EQ(OPTIONS_BAD, read({"--lease-ms", ms}).result) << ms;
+}
+
+TEST(LcmOptions, LcmUrlsNameAMulticastGroupAndAPort) {
+    for (const char *url : {"udpm://224.0.0.1", "udpm://239.255.255.255:1", "udpm://?ttl=0"})
+        EXPECT_EQ(OPTIONS_RUN, read({"--lcm-url", url}).result) << url;
+    for (const char *url : {"udpm://223.255.255.255:7667", "udpm://240.0.0.1:7667",
+                            "udpm://239.255.76.67:0", "udpm://239.255.76.67:"})
+        EXPECT_EQ(OPTIONS_BAD, read({"--lcm-url", url}).result) << url;
+}
+
+TEST(LcmConfigFile, TheCommandLineTakesPrecedence) {
+    const std::string path = testing::TempDir() + "fleet.ini";
+    std::ofstream(path) << "[DEFAULT]\nlcm-url = memq://\nfleet-stop = FILE_CMD\nrecord = "
+                        << testing::TempDir() << "file.pcapng\n[A]\naddress = 127.0.0.1\n";
+    const Read file = read({"--config", path});
+    ASSERT_EQ(OPTIONS_RUN, file.result) << file.error;
+    EXPECT_STREQ("memq://", file.out->lcm_url);
+    EXPECT_STREQ("FILE_CMD", file.out->fleet_stop);
+    EXPECT_EQ(testing::TempDir() + "file.pcapng", file.out->record);
+    const Read both = read({"--config", path, "--lcm-url", "udpm://239.1.1.1:1", "--fleet-stop",
+                            "LINE_CMD", "--record", "line.pcapng"});
+    ASSERT_EQ(OPTIONS_RUN, both.result) << both.error;
+    EXPECT_STREQ("udpm://239.1.1.1:1", both.out->lcm_url);
+    EXPECT_STREQ("LINE_CMD", both.out->fleet_stop);
+    EXPECT_STREQ("line.pcapng", both.out->record);
+    std::remove(path.c_str());
+}
+
+TEST(LcmConfigFile, ARobotMayHaveAServiceThatTheOthersLack) {
+    const Read r = read_file("[DEFAULT]\nperiod-ms.battery = 0\n[A]\naddress = a\n"
+                             "[B]\naddress = b\nperiod-ms.battery = 500\n");
+    ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
+    const auto battery = [&](int robot) {
+        return r.out->robots[robot].config.subscriptions >> ROBUROC4_SERVICE_BATTERY & 1U;
+    };
+    EXPECT_EQ(0U, battery(0));
+    EXPECT_EQ(1U, battery(1));
+    EXPECT_EQ(500, r.out->robots[1].config.period_ms[ROBUROC4_SERVICE_BATTERY]);
+}
+
+TEST(LcmOptions, TwoRobotsMayShareAHostButNoAddress) {
+    char error[OPTIONS_ERROR_SIZE] = "";
+    const Read ports = read({"--robot", "A=127.0.0.1:1", "--robot", "B=127.0.0.1:2"});
+    EXPECT_EQ(OPTIONS_RUN, options_resolve(ports.out.get(), error, sizeof error)) << error;
+    const Read same = read({"--robot", "A=127.0.0.1:1", "--robot", "B=127.0.0.1:1"});
+    EXPECT_EQ(OPTIONS_BAD, options_resolve(same.out.get(), error, sizeof error));
+}
+
 TEST(LcmConfigFile, CommandLineSetsNoRobotBesideIt) {
     const Read drive = read({"--config", "/dev/null", "--enable-drive"});
     EXPECT_EQ(OPTIONS_BAD, drive.result);
