@@ -23,13 +23,6 @@
 #define CURSOR static inline
 #endif
 
-/* Whether numbers have the same bytes in memory as on the wire, so that they can be copied. */
-#if defined(__BYTE_ORDER__) && defined(__ORDER_LITTLE_ENDIAN__)
-#define WORDS_AS_ON_THE_WIRE (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__)
-#else
-#define WORDS_AS_ON_THE_WIRE 0
-#endif
-
 /** Whether a struct that begins with its size is from a program of this or an older version; the
  * size says which of its members that program knows. */
 static inline bool size_known(size_t size, size_t newest) {
@@ -171,6 +164,26 @@ static inline int32_t fixed_from_f32(float value, uint32_t bits) {
     return bits_from_f32(value) >> 31 != 0 ? -size : size;
 }
 
+/** The product of two finite floats, rounded as floats are; it must not be too large for one.
+ * Anything below the normal floats counts as 0. Multiplying floats is a large function, too. */
+static inline float product(float a, float b) {
+    const uint32_t sign = (bits_from_f32(a) ^ bits_from_f32(b)) & 0x80000000U;
+    const uint32_t exponent_a = magnitude_bits(a) >> 23;
+    const uint32_t exponent_b = magnitude_bits(b) >> 23;
+    const uint64_t exact = (uint64_t)((bits_from_f32(a) & 0x7FFFFFU) | 0x800000U) *
+                           ((bits_from_f32(b) & 0x7FFFFFU) | 0x800000U);
+    const uint32_t upper = (uint32_t)(exact >> 16) | ((exact & 0xFFFF) != 0); /* 31 or 32 bits */
+    const uint32_t carry = upper >> 31;
+    const uint32_t aligned = carry != 0 ? upper : upper << 1;
+    const uint32_t exponent = exponent_a + exponent_b + carry;
+    /* to the nearest, to the even one of two */
+    const uint32_t rounding = (aligned & 0xFF) + (aligned >> 8 & 1) > 0x80;
+    if (exponent_a == 0 || exponent_b == 0 || exponent <= 127) {
+        return f32_from_bits(sign);
+    }
+    return f32_from_bits(sign | (((exponent - 128) << 23) + (aligned >> 8) + rounding));
+}
+
 /** Whether a float is finite; works even if the compiler may assume that all are. */
 static inline bool is_finite(float value) {
     return (bits_from_f32(value) >> 23 & 0xFF) != 0xFF;
@@ -184,23 +197,17 @@ CURSOR float read_f32(reader *r) {
     return f32_from_bits(read_u32(r));
 }
 
-CURSOR double read_f64(reader *r) {
-    return f64_from_bits(read_u64(r));
-}
-
-/** A run of 32-bit fields (floats or integers), copied as it is. */
-CURSOR void read_words(reader *r, void *words, size_t count) {
-    const uint8_t *from = read_bytes(r, count * 4);
-    uint8_t *to = words;
-    if (from == NULL) {
-        memset(words, 0, count * 4);
-    } else if (WORDS_AS_ON_THE_WIRE) {
-        memcpy(words, from, count * 4);
-    } else {
-        for (size_t i = 0; i < count; i++) {
-            const uint32_t word = load_u32(from + i * 4);
-            memcpy(to + i * 4, &word, sizeof word);
-        }
+/** Copy numbers of `width` bytes each from the wire to memory, or back. */
+CURSOR void copy_numbers(uint8_t *to, const uint8_t *from, size_t width, size_t count) {
+    const uint16_t probe = 1;
+    uint8_t little_endian;
+    memcpy(&little_endian, &probe, 1); /* compilers know the result */
+    if (little_endian && count > 0) {
+        memcpy(to, from, width * count);
+        return;
+    }
+    for (size_t i = 0; i < width * count; i++) {
+        to[i] = from[i - i % width + (width - 1 - i % width)];
     }
 }
 
@@ -214,13 +221,24 @@ CURSOR writer writer_of(uint8_t *buffer, size_t capacity) {
     return w;
 }
 
-CURSOR void write_bytes(writer *w, const uint8_t *bytes, size_t count) {
+/** Where the next `count` bytes go, or NULL if there is no room for them. */
+CURSOR uint8_t *next_bytes(writer *w, size_t count) {
+    uint8_t *to = w->at;
     if (count > w->left) {
         w->left = 0;
-    } else if (count > 0) {
-        memcpy(w->at, bytes, count);
+        return NULL;
+    }
+    if (count > 0) {
         w->at += count;
         w->left -= count;
+    }
+    return to;
+}
+
+CURSOR void write_bytes(writer *w, const uint8_t *bytes, size_t count) {
+    uint8_t *to = next_bytes(w, count);
+    if (to != NULL && count > 0) {
+        memcpy(to, bytes, count);
     }
 }
 
@@ -239,36 +257,20 @@ CURSOR void write_u32(writer *w, uint32_t value) {
     write_bytes(w, b, sizeof b);
 }
 
-CURSOR void write_u64(writer *w, uint64_t value) {
-    if (WORDS_AS_ON_THE_WIRE) {
-        uint8_t b[8];
-        memcpy(b, &value, sizeof b);
-        write_bytes(w, b, sizeof b);
-        return;
+/** Numbers of `width` bytes each. */
+CURSOR void write_numbers(writer *w, const void *numbers, size_t width, size_t count) {
+    uint8_t *to = next_bytes(w, width * count);
+    if (to != NULL) {
+        copy_numbers(to, numbers, width, count);
     }
-    write_u32(w, (uint32_t)value);
-    write_u32(w, (uint32_t)(value >> 32));
 }
 
-CURSOR void write_words(writer *w, const void *words, size_t count) {
-    const uint8_t *from = words;
-    if (WORDS_AS_ON_THE_WIRE) {
-        write_bytes(w, from, count * 4);
-        return;
-    }
-    for (size_t i = 0; i < count; i++) {
-        uint32_t word;
-        memcpy(&word, from + i * 4, sizeof word);
-        write_u32(w, word);
-    }
+CURSOR void write_u64(writer *w, uint64_t value) {
+    write_numbers(w, &value, sizeof value, 1);
 }
 
 CURSOR void write_f32(writer *w, float value) {
     write_u32(w, bits_from_f32(value));
-}
-
-CURSOR void write_f64(writer *w, double value) {
-    write_u64(w, bits_from_f64(value));
 }
 
 #endif

@@ -159,6 +159,12 @@ static uint32_t *stamp_at(client *c, uint32_t i) {
     return (uint32_t *)(void *)((uint8_t *)c + stamps[i]);
 }
 
+static void set_stamps(client *c, uint32_t us) {
+    for (uint32_t i = 0; i < sizeof stamps / sizeof stamps[0]; i++) {
+        *stamp_at(c, i) = us;
+    }
+}
+
 /** Before the time becomes now_us: shorten what would have been longer ago than OLDEST_US. */
 static void limit_ages(client *c, uint64_t now_us) {
     const uint64_t passed_us = now_us - c->private_now_us;
@@ -173,25 +179,23 @@ static void limit_ages(client *c, uint64_t now_us) {
 }
 
 /** The clock went back: restart everything that is timed. */
-static void clock_fault(client *c, uint64_t host_us) {
-    const uint32_t now_us = (uint32_t)host_us;
+static void clock_fault(client *c, uint32_t now_us) {
     roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_CLOCK);
-    roburoc4_drive_rebase(&c->private_drive, now_us);
+    const uint32_t heard_us = c->private_link.heard_us + now_us - c->private_timer.now_us;
+    set_stamps(c, now_us);
+    c->private_link.heard_us = heard_us;
+    c->private_drive.sent_us -= SECOND;     /* a stop sequence goes on at once, by count */
+    c->private_schedule.probe_us -= SECOND; /* no age is known before the first answer */
     roburoc4_requests_rebase(&c->private_requests, now_us);
     c->private_discovery.doubted = 0; /* copies of its answer are no longer waited for */
-    roburoc4_link_rebase(&c->private_link, c->private_now_us, host_us);
-    roburoc4_subscriptions_rebase(&c->private_subscriptions, now_us);
-    c->private_schedule.phase_us = now_us;
-    c->private_schedule.probe_us = now_us - SECOND; /* no age is known before the first answer */
-    c->private_outputs.sent_us = now_us;
-    c->private_outputs.relocalize_us = now_us;
+    roburoc4_link_rebase(&c->private_link, now_us);
     count_up(c, ROBUROC4_COUNT_CLOCK_FAULTS);
     raise_event(c, ROBUROC4_EVENT_CLOCK);
 }
 
 void roburoc4_lifecycle_jump(client *c, uint64_t now_us) {
     if (now_us < c->private_now_us) {
-        clock_fault(c, now_us);
+        clock_fault(c, (uint32_t)now_us);
         return;
     }
     if (now_us - c->private_now_us >= PAUSE_US) {
@@ -230,22 +234,15 @@ roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
     c->private_now_us = now_us;
     c->private_timer.now_us = (uint32_t)now_us;
     c->private_timer.wait_us = 0;
-    memset(&c->private_conditions, 0, sizeof c->private_conditions);
-    memset(&c->private_schedule, 0, sizeof c->private_schedule);
-    memset(&c->private_subscriptions, 0, sizeof c->private_subscriptions);
-    memset(&c->private_link, 0, sizeof c->private_link);
-    memset(&c->private_discovery, 0, sizeof c->private_discovery);
-    memset(&c->private_values, 0, sizeof c->private_values);
-    memset(&c->private_outputs, 0, sizeof c->private_outputs);
-    memset(c->private_counters, 0, sizeof c->private_counters);
+    const uint8_t last_id = c->private_requests.last_id;
+    memset((uint8_t *)c + offsetof(client, private_conditions), 0,
+           sizeof *c - offsetof(client, private_conditions));
+    c->private_requests.last_id = last_id; /* late answers must not match */
     c->private_outputs.relocalize_result = ROBUROC4_ERR_UNKNOWN;
+    c->private_drive.disarm_cause = ROBUROC4_ERR_DISARMED;
     roburoc4_discovery_clear(&c->private_discovery);
-    c->private_requests.id_mode = 0; /* this may be another robot */
-    for (uint32_t i = 0; i < sizeof stamps / sizeof stamps[0]; i++) {
-        *stamp_at(c, i) = c->private_timer.now_us - OLDEST_US; /* nothing has happened yet */
-    }
+    set_stamps(c, c->private_timer.now_us - OLDEST_US); /* nothing has happened yet */
     c->private_link.last_used_us = c->private_timer.now_us;
-    roburoc4_drive_start(&c->private_drive, c->private_timer.now_us);
     roburoc4_lifecycle_connect(c, ROBUROC4_STATE_CONNECTING);
     return ROBUROC4_OK;
 }

@@ -20,36 +20,72 @@
 #define BODY_INSERT 3
 #define BODY_DELETE 2
 #define BODY_REPLACE 32
-#define BODY_IOCARD_PROPERTIES 16
-#define BODY_BATTERY_PROPERTIES 9
-#define BODY_DIFFERENTIAL_PROPERTIES 52
-#define BODY_BATTERY 2
-#define BODY_LOCALIZATION 28
-#define BODY_DIFFERENTIAL 16
 #define BODY_COMMAND 8
-#define WORDS_IOCARD 4
 #define WORDS_TELEMETER 7
-#define WORDS_DIFFERENTIAL 4
-#define WORDS_DIFFERENTIAL_PROPERTIES 13
-#define SPEEDS offsetof(roburoc4_differential_status, target_linear_m_s)
 /* The largest payload of a UDP datagram over IPv4, which no telegram exceeds. */
 #define SIZE_LIMIT 65507
 
-/* These structs have their members in wire order without gaps, so they are copied in one run. */
+/* ---- layouts ---- */
+
+/** A telegram of fixed length and its struct: after the head come doubles, 32-bit words and bytes,
+ * on the wire as in the struct, and without gaps. */
+typedef struct layout {
+    uint8_t size, service, body; /* of the struct, and where in it these are */
+    uint8_t doubles, words, bytes;
+} layout;
+
+#define BODY_OF(doubles, words, bytes) (8 * (doubles) + 4 * (words) + (bytes))
+/* `first` of the body, `next` behind it */
+#define FIXED_LAYOUT(name, type, first, next, doubles, words, bytes)                               \
+    static const layout name = {                                                                   \
+        sizeof(type), offsetof(type, service), offsetof(type, first), doubles, words, bytes};      \
+    typedef char assert_##name##_has_no_gaps                                                       \
+        [offsetof(type, next) - offsetof(type, first) == BODY_OF(doubles, words, bytes) ? 1 : -1]
+
+FIXED_LAYOUT(iocard_properties, roburoc4_iocard_properties, analog_inputs, service, 0, 4, 0);
+FIXED_LAYOUT(battery_properties, roburoc4_battery_properties, nominal_voltage_v, reserved, 0, 2, 1);
+FIXED_LAYOUT(localization_properties, roburoc4_localization_properties, x_m, service, 3, 1, 0);
+FIXED_LAYOUT(differential_properties, roburoc4_differential_properties, target_linear_m_s, service,
+             0, 13, 0);
+FIXED_LAYOUT(battery_status, roburoc4_battery_status, state, service, 0, 0, 2);
+FIXED_LAYOUT(localization_status, roburoc4_localization_status, x_m, service, 3, 1, 0);
+FIXED_LAYOUT(differential_status, roburoc4_differential_status, target_linear_m_s, service, 0, 4,
+             0);
+
 typedef char assert_telemeter_is_packed[sizeof(roburoc4_telemeter) == SIZE_TELEMETER ? 1 : -1];
-typedef char assert_differential_is_packed[offsetof(roburoc4_differential_properties, service) ==
-                                                   4 * WORDS_DIFFERENTIAL_PROPERTIES
-                                               ? 1
-                                               : -1];
-typedef char
-    assert_iocard_is_packed[offsetof(roburoc4_iocard_properties, service) == 4 * WORDS_IOCARD ? 1
-                                                                                              : -1];
-typedef char
-    assert_status_is_packed[offsetof(roburoc4_differential_status, service) -
-                                        offsetof(roburoc4_differential_status, target_linear_m_s) ==
-                                    4 * WORDS_DIFFERENTIAL
-                                ? 1
-                                : -1];
+
+CURSOR size_t body_size(const layout *l) {
+    return BODY_OF((size_t)l->doubles, (size_t)l->words, (size_t)l->bytes);
+}
+
+/** Copy a body from the wire to memory, or back. */
+CURSOR void copy_body(uint8_t *to, const uint8_t *from, const layout *l) {
+    const size_t words = 8 * (size_t)l->doubles;
+    const size_t bytes = words + 4 * (size_t)l->words;
+    copy_numbers(to, from, 8, l->doubles);
+    copy_numbers(to + words, from + words, 4, l->words);
+    copy_numbers(to + bytes, from + bytes, 1, l->bytes);
+}
+
+/** Fill a struct whose telegram is long enough; the reader is left at the body. */
+CURSOR void read_body(reader *r, const layout *l, uint16_t service, uint8_t *out) {
+    memset(out, 0, l->size);
+    memcpy(out + l->service, &service, sizeof service);
+    copy_body(out + l->body, r->at, l);
+}
+
+CURSOR void write_body(writer *w, const layout *l, const uint8_t *in) {
+    uint8_t *to = next_bytes(w, body_size(l));
+    if (to != NULL) {
+        copy_body(to, in + l->body, l);
+    }
+}
+
+CURSOR uint16_t service_in(const layout *l, const uint8_t *in) {
+    uint16_t service;
+    memcpy(&service, in + l->service, sizeof service);
+    return service;
+}
 
 /* ---- beginnings and ends ---- */
 
@@ -74,16 +110,16 @@ CURSOR roburoc4_result claim(writer *w, size_t length) {
     return fits ? (roburoc4_result)length : ROBUROC4_ERR_BUFFER;
 }
 
-CURSOR void write_pose(writer *w, const double *x_m, const double *y_m, const double *theta_rad) {
-    write_f64(w, *x_m);
-    write_f64(w, *y_m);
-    write_f64(w, *theta_rad);
+/** The three doubles of a pose. */
+CURSOR void write_pose(writer *w, const roburoc4_request *q) {
+    write_numbers(w, (const uint8_t *)q + offsetof(roburoc4_request, x_m), 8, 3);
 }
 
-CURSOR void read_pose(reader *r, double *x_m, double *y_m, double *theta_rad) {
-    *x_m = read_f64(r);
-    *y_m = read_f64(r);
-    *theta_rad = read_f64(r);
+CURSOR void read_pose(reader *r, roburoc4_request *out) {
+    const uint8_t *from = read_bytes(r, 24);
+    if (from != NULL) {
+        copy_numbers((uint8_t *)out + offsetof(roburoc4_request, x_m), from, 8, 3);
+    }
 }
 
 /* ---- requests ---- */
@@ -145,7 +181,7 @@ roburoc4_result roburoc4_encode_request(uint8_t *buffer, size_t capacity,
         break;
     case ROBUROC4_ACTION_REPLACE:
         write_u64(&w, q->timestamp);
-        write_pose(&w, &q->x_m, &q->y_m, &q->theta_rad);
+        write_pose(&w, q);
         break;
     case ROBUROC4_ACTION_INSERT:
         write_u16(&w, q->subject);
@@ -172,7 +208,7 @@ static void read_request_body(reader *r, roburoc4_request *out) {
         break;
     case ROBUROC4_ACTION_REPLACE:
         out->timestamp = read_u64(r);
-        read_pose(r, &out->x_m, &out->y_m, &out->theta_rad);
+        read_pose(r, out);
         break;
     case ROBUROC4_ACTION_INSERT:
         out->subject = read_u16(r);
@@ -244,6 +280,26 @@ static uint16_t read_answer_service(reader *r) {
     const uint16_t service = read_u16(r);
     read_u8(r); /* the error byte, already known to be 0 */
     return service;
+}
+
+/** Properties of fixed length. */
+CURSOR roburoc4_result decode_fixed_properties(const uint8_t *data, size_t size, const layout *l,
+                                               void *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result = read_answer_head(&r, ROBUROC4_ACTION_GET, body_size(l));
+    if (result >= 0) {
+        read_body(&r, l, read_answer_service(&r), out);
+    }
+    return result;
+}
+
+CURSOR roburoc4_result encode_fixed_properties(uint8_t *buffer, size_t capacity, uint8_t id,
+                                               const layout *l, const void *properties) {
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result =
+        write_answer_head(&w, body_size(l), id, ROBUROC4_ACTION_GET, service_in(l, properties), 0);
+    write_body(&w, l, properties);
+    return result;
 }
 
 roburoc4_result roburoc4_decode_answer(const uint8_t *data, size_t size, roburoc4_answer *out) {
@@ -360,28 +416,21 @@ static uint32_t digital_blocks(uint32_t channels) {
 
 roburoc4_result roburoc4_decode_iocard_properties(const uint8_t *data, size_t size,
                                                   roburoc4_iocard_properties *out) {
-    reader r = reader_of(data, size);
-    const roburoc4_result result =
-        read_answer_head(&r, ROBUROC4_ACTION_GET, BODY_IOCARD_PROPERTIES);
+    roburoc4_iocard_properties p;
+    const roburoc4_result result = decode_fixed_properties(data, size, &iocard_properties, &p);
     if (result < 0) {
         return result;
     }
-    if ((data[8] | data[12] | data[16] | data[20]) & 0x80) {
-        return ROBUROC4_ERR_VALUE; /* a negative count */
+    if ((p.analog_inputs | p.analog_outputs | p.digital_inputs | p.digital_outputs) < 0) {
+        return ROBUROC4_ERR_VALUE;
     }
-    out->service = read_answer_service(&r);
-    out->reserved = 0;
-    read_words(&r, out, WORDS_IOCARD);
+    *out = p;
     return result;
 }
 
 roburoc4_result roburoc4_encode_iocard_properties(uint8_t *buffer, size_t capacity, uint8_t id,
                                                   const roburoc4_iocard_properties *properties) {
-    writer w = writer_of(buffer, capacity);
-    const roburoc4_result result = write_answer_head(&w, BODY_IOCARD_PROPERTIES, id,
-                                                     ROBUROC4_ACTION_GET, properties->service, 0);
-    write_words(&w, properties, WORDS_IOCARD);
-    return result;
+    return encode_fixed_properties(buffer, capacity, id, &iocard_properties, properties);
 }
 
 roburoc4_result roburoc4_decode_telemeter_properties(const uint8_t *data, size_t size,
@@ -396,7 +445,7 @@ roburoc4_result roburoc4_decode_telemeter_properties(const uint8_t *data, size_t
     if (count > INT32_MAX) {
         return ROBUROC4_ERR_VALUE;
     }
-    if (count > r.left / SIZE_TELEMETER) {
+    if (count > SIZE_LIMIT || count * SIZE_TELEMETER > r.left) {
         return ROBUROC4_ERR_SHORT;
     }
     out->entries = r.at;
@@ -411,8 +460,8 @@ roburoc4_result roburoc4_telemeter_at(const roburoc4_telemeter_list *telemeters,
     if (index >= telemeters->count) {
         return ROBUROC4_ERR_INDEX;
     }
-    reader r = reader_of(telemeters->entries + (size_t)index * SIZE_TELEMETER, SIZE_TELEMETER);
-    read_words(&r, out, WORDS_TELEMETER);
+    copy_numbers((uint8_t *)out, telemeters->entries + (size_t)index * SIZE_TELEMETER, 4,
+                 WORDS_TELEMETER);
     return ROBUROC4_OK;
 }
 
@@ -427,81 +476,40 @@ roburoc4_result roburoc4_encode_telemeter_properties(uint8_t *buffer, size_t cap
     const roburoc4_result result =
         write_answer_head(&w, 4 + count * SIZE_TELEMETER, id, ROBUROC4_ACTION_GET, service, 0);
     write_u32(&w, (uint32_t)count);
-    write_words(&w, telemeters, count * WORDS_TELEMETER);
+    write_numbers(&w, telemeters, 4, count * WORDS_TELEMETER);
     return result;
 }
 
 roburoc4_result roburoc4_decode_battery_properties(const uint8_t *data, size_t size,
                                                    roburoc4_battery_properties *out) {
-    reader r = reader_of(data, size);
-    const roburoc4_result result =
-        read_answer_head(&r, ROBUROC4_ACTION_GET, BODY_BATTERY_PROPERTIES);
-    if (result >= 0) {
-        memset(out, 0, sizeof *out);
-        out->service = read_answer_service(&r);
-        out->nominal_voltage_v = read_f32(&r);
-        out->capacity_ah = read_f32(&r);
-        out->minimum_percent = read_u8(&r);
-    }
-    return result;
+    return decode_fixed_properties(data, size, &battery_properties, out);
 }
 
 roburoc4_result roburoc4_encode_battery_properties(uint8_t *buffer, size_t capacity, uint8_t id,
                                                    const roburoc4_battery_properties *properties) {
-    writer w = writer_of(buffer, capacity);
-    const roburoc4_result result = write_answer_head(&w, BODY_BATTERY_PROPERTIES, id,
-                                                     ROBUROC4_ACTION_GET, properties->service, 0);
-    write_f32(&w, properties->nominal_voltage_v);
-    write_f32(&w, properties->capacity_ah);
-    write_u8(&w, properties->minimum_percent);
-    return result;
+    return encode_fixed_properties(buffer, capacity, id, &battery_properties, properties);
 }
 
 roburoc4_result roburoc4_decode_localization_properties(const uint8_t *data, size_t size,
                                                         roburoc4_localization_properties *out) {
-    reader r = reader_of(data, size);
-    const roburoc4_result result = read_answer_head(&r, ROBUROC4_ACTION_GET, BODY_LOCALIZATION);
-    if (result >= 0) {
-        memset(out, 0, sizeof *out);
-        out->service = read_answer_service(&r);
-        read_pose(&r, &out->x_m, &out->y_m, &out->theta_rad);
-        out->flags = read_u32(&r);
-    }
-    return result;
+    return decode_fixed_properties(data, size, &localization_properties, out);
 }
 
 roburoc4_result
 roburoc4_encode_localization_properties(uint8_t *buffer, size_t capacity, uint8_t id,
                                         const roburoc4_localization_properties *properties) {
-    writer w = writer_of(buffer, capacity);
-    const roburoc4_result result =
-        write_answer_head(&w, BODY_LOCALIZATION, id, ROBUROC4_ACTION_GET, properties->service, 0);
-    write_pose(&w, &properties->x_m, &properties->y_m, &properties->theta_rad);
-    write_u32(&w, properties->flags);
-    return result;
+    return encode_fixed_properties(buffer, capacity, id, &localization_properties, properties);
 }
 
 roburoc4_result roburoc4_decode_differential_properties(const uint8_t *data, size_t size,
                                                         roburoc4_differential_properties *out) {
-    reader r = reader_of(data, size);
-    const roburoc4_result result =
-        read_answer_head(&r, ROBUROC4_ACTION_GET, BODY_DIFFERENTIAL_PROPERTIES);
-    if (result >= 0) {
-        memset(out, 0, sizeof *out);
-        out->service = read_answer_service(&r);
-        read_words(&r, out, WORDS_DIFFERENTIAL_PROPERTIES);
-    }
-    return result;
+    return decode_fixed_properties(data, size, &differential_properties, out);
 }
 
 roburoc4_result
 roburoc4_encode_differential_properties(uint8_t *buffer, size_t capacity, uint8_t id,
                                         const roburoc4_differential_properties *properties) {
-    writer w = writer_of(buffer, capacity);
-    const roburoc4_result result = write_answer_head(&w, BODY_DIFFERENTIAL_PROPERTIES, id,
-                                                     ROBUROC4_ACTION_GET, properties->service, 0);
-    write_words(&w, properties, WORDS_DIFFERENTIAL_PROPERTIES);
-    return result;
+    return encode_fixed_properties(buffer, capacity, id, &differential_properties, properties);
 }
 
 roburoc4_result roburoc4_decode_text(const uint8_t *data, size_t size, roburoc4_text *out) {
@@ -559,6 +567,31 @@ CURSOR roburoc4_result read_status_header(reader *r, size_t length) {
     return surplus(r, length - 1);
 }
 
+/** A status of fixed length. Its struct begins with the time. */
+CURSOR roburoc4_result decode_fixed_status(const uint8_t *data, size_t size, const layout *l,
+                                           void *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result = read_status_header(&r, HEAD_STATUS + body_size(l));
+    if (result >= 0) {
+        const uint16_t service = read_u16(&r);
+        const uint64_t robot_cycles = read_u64(&r);
+        read_body(&r, l, service, out);
+        memcpy(out, &robot_cycles, sizeof robot_cycles);
+    }
+    return result;
+}
+
+CURSOR roburoc4_result encode_fixed_status(uint8_t *buffer, size_t capacity, const layout *l,
+                                           const void *status) {
+    uint64_t robot_cycles;
+    writer w = writer_of(buffer, capacity);
+    memcpy(&robot_cycles, status, sizeof robot_cycles);
+    const roburoc4_result result =
+        write_status_head(&w, body_size(l), service_in(l, status), robot_cycles);
+    write_body(&w, l, status);
+    return result;
+}
+
 roburoc4_result roburoc4_decode_status_header(const uint8_t *data, size_t size,
                                               roburoc4_status_header *out) {
     reader r = reader_of(data, size);
@@ -590,8 +623,7 @@ CURSOR roburoc4_result read_channels(reader *r, uint32_t analog, uint32_t digita
 
 uint32_t roburoc4_floats(const uint8_t *view, uint32_t count, float *out, uint32_t capacity) {
     const uint32_t copied = count < capacity ? count : capacity;
-    reader r = reader_of(view, (size_t)copied * 4);
-    read_words(&r, out, copied);
+    copy_numbers((uint8_t *)out, view, 4, copied);
     return copied;
 }
 
@@ -625,7 +657,7 @@ roburoc4_result roburoc4_encode_iocard_status(uint8_t *buffer, size_t capacity, 
     }
     writer w = writer_of(buffer, capacity);
     const roburoc4_result result = write_status_head(&w, body, service, robot_cycles);
-    write_words(&w, analog, analog_inputs);
+    write_numbers(&w, analog, 4, analog_inputs);
     write_bytes(&w, digital, digital_blocks((uint32_t)digital_inputs));
     return result;
 }
@@ -653,78 +685,38 @@ roburoc4_result roburoc4_encode_telemeter_status(uint8_t *buffer, size_t capacit
     }
     writer w = writer_of(buffer, capacity);
     const roburoc4_result result = write_status_head(&w, count * 4, service, robot_cycles);
-    write_words(&w, distances_m, count);
+    write_numbers(&w, distances_m, 4, count);
     return result;
 }
 
 roburoc4_result roburoc4_decode_battery_status(const uint8_t *data, size_t size,
                                                roburoc4_battery_status *out) {
-    reader r = reader_of(data, size);
-    const roburoc4_result result = read_status_header(&r, HEAD_STATUS + BODY_BATTERY);
-    if (result >= 0) {
-        memset(out, 0, sizeof *out);
-        out->service = read_u16(&r);
-        out->robot_cycles = read_u64(&r);
-        out->state = read_u8(&r);
-        out->remaining_percent = read_u8(&r);
-    }
-    return result;
+    return decode_fixed_status(data, size, &battery_status, out);
 }
 
 roburoc4_result roburoc4_encode_battery_status(uint8_t *buffer, size_t capacity,
                                                const roburoc4_battery_status *status) {
-    writer w = writer_of(buffer, capacity);
-    const roburoc4_result result =
-        write_status_head(&w, BODY_BATTERY, status->service, status->robot_cycles);
-    write_u8(&w, status->state);
-    write_u8(&w, status->remaining_percent);
-    return result;
+    return encode_fixed_status(buffer, capacity, &battery_status, status);
 }
 
 roburoc4_result roburoc4_decode_localization_status(const uint8_t *data, size_t size,
                                                     roburoc4_localization_status *out) {
-    reader r = reader_of(data, size);
-    const roburoc4_result result = read_status_header(&r, HEAD_STATUS + BODY_LOCALIZATION);
-    if (result >= 0) {
-        memset(out, 0, sizeof *out);
-        out->service = read_u16(&r);
-        out->robot_cycles = read_u64(&r);
-        read_pose(&r, &out->x_m, &out->y_m, &out->theta_rad);
-        out->flags = read_u32(&r);
-    }
-    return result;
+    return decode_fixed_status(data, size, &localization_status, out);
 }
 
 roburoc4_result roburoc4_encode_localization_status(uint8_t *buffer, size_t capacity,
                                                     const roburoc4_localization_status *status) {
-    writer w = writer_of(buffer, capacity);
-    const roburoc4_result result =
-        write_status_head(&w, BODY_LOCALIZATION, status->service, status->robot_cycles);
-    write_pose(&w, &status->x_m, &status->y_m, &status->theta_rad);
-    write_u32(&w, status->flags);
-    return result;
+    return encode_fixed_status(buffer, capacity, &localization_status, status);
 }
 
 roburoc4_result roburoc4_decode_differential_status(const uint8_t *data, size_t size,
                                                     roburoc4_differential_status *out) {
-    reader r = reader_of(data, size);
-    const roburoc4_result result = read_status_header(&r, HEAD_STATUS + BODY_DIFFERENTIAL);
-    if (result >= 0) {
-        memset(out, 0, sizeof *out);
-        out->service = read_u16(&r);
-        out->robot_cycles = read_u64(&r);
-        read_words(&r, (uint8_t *)out + SPEEDS, WORDS_DIFFERENTIAL);
-    }
-    return result;
+    return decode_fixed_status(data, size, &differential_status, out);
 }
 
 roburoc4_result roburoc4_encode_differential_status(uint8_t *buffer, size_t capacity,
                                                     const roburoc4_differential_status *status) {
-    writer w = writer_of(buffer, capacity);
-    const roburoc4_result result =
-        write_status_head(&w, BODY_DIFFERENTIAL, status->service, status->robot_cycles);
-    write_words(&w, (const uint8_t *)status + SPEEDS, WORDS_DIFFERENTIAL);
-    return result;
+    return encode_fixed_status(buffer, capacity, &differential_status, status);
 }
 
 roburoc4_result roburoc4_decode_differential_command(const uint8_t *data, size_t size,
@@ -771,7 +763,7 @@ roburoc4_result roburoc4_encode_iocard_command(uint8_t *buffer, size_t capacity,
     }
     writer w = writer_of(buffer, capacity);
     const roburoc4_result result = write_command_head(&w, body, service);
-    write_words(&w, analog, analog_outputs);
+    write_numbers(&w, analog, 4, analog_outputs);
     write_bytes(&w, digital, digital_blocks((uint32_t)digital_outputs));
     return result;
 }

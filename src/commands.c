@@ -200,7 +200,7 @@ static bool has_status(uint32_t service) {
 
 roburoc4_result roburoc4_client_subscribe(client *c, uint32_t service, uint32_t period_ms,
                                           uint64_t now_us) {
-    if (!has_status(service) || period_ms > 2550 || period_ms % 10 != 0) {
+    if (!has_status(service) || period_ms > 2550 || 10 * cycles_of(period_ms) != period_ms) {
         return ROBUROC4_ERR_ARGUMENT;
     }
     begin_call(c, now_us);

@@ -117,7 +117,7 @@ static uint32_t first_bad_period(const roburoc4_config *config) {
         (uint32_t)service_bit(ROBUROC4_SERVICE_IOCARD) | service_bit(ROBUROC4_SERVICE_DIFFERENTIAL);
     for (uint32_t service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
         const uint32_t period_ms = config->period_ms[service];
-        if (period_ms == 0 || period_ms > 2550 || period_ms % 10 != 0) {
+        if (period_ms == 0 || period_ms > 2550 || 10 * cycles_of(period_ms) != period_ms) {
             return BAD_PERIOD;
         }
         if ((services_of_arming & config->subscriptions & service_bit(service)) != 0 &&

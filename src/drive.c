@@ -60,12 +60,6 @@ static bool near(float value, float low, float high, int32_t tolerance) {
            fixed - tolerance <= fixed_from_f32(high, SPEED_BITS);
 }
 
-void roburoc4_drive_start(drive *d, uint32_t now_us) {
-    memset(d, 0, sizeof *d);
-    d->disarm_cause = ROBUROC4_ERR_DISARMED;
-    roburoc4_drive_rebase(d, now_us);
-}
-
 /* ---- ending a lease ---- */
 
 /** The one place where a stop sequence begins. */
@@ -218,10 +212,10 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
 /** Whether this share of the speeds is beyond the limits. Of the linear speed, that is the one of
  * the outer wheels. */
 static bool exceeds(const float *speeds, float share, const float *most, float half_width_m) {
-    const float linear = magnitude(speeds[LINEAR]) * share;
-    const float angular = magnitude(speeds[ANGULAR]) * share;
+    const float linear = magnitude(product(speeds[LINEAR], share));
+    const float angular = magnitude(product(speeds[ANGULAR], share));
     const uint32_t outer = (uint32_t)fixed_from_f32(linear, WHEEL_BITS) +
-                           (uint32_t)fixed_from_f32(angular * half_width_m, WHEEL_BITS);
+                           (uint32_t)fixed_from_f32(product(angular, half_width_m), WHEEL_BITS);
     return (!is_zero(most[LINEAR]) && outer > (uint32_t)fixed_from_f32(most[LINEAR], WHEEL_BITS)) ||
            (!is_zero(most[ANGULAR]) && order_of(angular) > order_of(most[ANGULAR]));
 }
@@ -235,11 +229,12 @@ static float curve_share(const float *speeds, const float *low, const float *hig
     for (uint32_t axis = 0; axis < AXES; axis++) {
         most[axis] = magnitude(order_of(speeds[axis]) < 0 ? low[axis] : high[axis]);
     }
-    if (exceeds(speeds, 1, most, width_m * 0.5F)) {
+    if (exceeds(speeds, 1, most, product(width_m, 0.5F))) {
         /* bit by bit, as the bits of such floats are in their order: a division is large, too */
         share = 0;
         for (uint32_t bit = UINT32_C(1) << 29; bit != 0; bit >>= 1) {
-            const bool less = exceeds(speeds, f32_from_bits(share | bit), most, width_m * 0.5F);
+            const bool less =
+                exceeds(speeds, f32_from_bits(share | bit), most, product(width_m, 0.5F));
             share |= less ? 0 : bit;
         }
     }
@@ -255,14 +250,14 @@ static void shape(const drive *d, const roburoc4_config *config,
     const float high[AXES] = {clamp(limits->max_linear_m_s, 0, ceiling[LINEAR]),
                               clamp(limits->max_angular_rad_s, 0, ceiling[ANGULAR])};
     float share = 1;
-    speeds[LINEAR] = d->target[LINEAR] * config->scale_linear;
-    speeds[ANGULAR] = d->target[ANGULAR] * config->scale_angular;
+    speeds[LINEAR] = product(d->target[LINEAR], config->scale_linear);
+    speeds[ANGULAR] = product(d->target[ANGULAR], config->scale_angular);
     if ((config->options & ROBUROC4_OPTION_TURN_KEEPING) != 0 && is_finite(limits->width_m) &&
         between(limits->width_m, WIDTH_MIN_M, WIDTH_MAX_M)) {
         share = curve_share(speeds, low, high, limits->width_m);
     }
     for (uint32_t axis = 0; axis < AXES; axis++) {
-        speeds[axis] = clamp(speeds[axis] * share, low[axis], high[axis]);
+        speeds[axis] = clamp(product(speeds[axis], share), low[axis], high[axis]);
     }
 }
 
@@ -517,11 +512,4 @@ void roburoc4_drive_status(drive *d, const roburoc4_config *config,
         !overridden &&
         (d->lease_active || (!zero && is_finite(reported[LINEAR]) && is_finite(reported[ANGULAR])));
     watch_following(d, s, expected, events);
-}
-
-void roburoc4_drive_rebase(drive *d, uint32_t now_us) {
-    d->sent_us = now_us - SECOND;
-    d->stop_us = now_us;
-    d->heard_us = now_us;
-    d->envelope_us = now_us;
 }

@@ -83,6 +83,12 @@ static inline bool due(timer *t, uint32_t since_us, uint32_t span_us) {
     return reached(t, t->now_us - since_us, span_us);
 }
 
+/** Of a period that is a multiple of 10 ms and at most 2550: how many cycles it is. Dividing is a
+ * large function on small machines. */
+static inline uint32_t cycles_of(uint32_t period_ms) {
+    return period_ms * 205 >> 11;
+}
+
 static inline uint32_t clipped(uint64_t span_us) {
     return span_us < UINT32_MAX ? (uint32_t)span_us : UINT32_MAX;
 }
@@ -202,8 +208,8 @@ uint32_t roburoc4_link_age_at_arrival(const roburoc4_private_link *l, uint32_t i
 /** Whether the last status is certainly younger than `limit_us`. */
 bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us,
                          uint64_t now_us, timer *t);
-/** The clock went back, from then to now. */
-void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t before_us, uint64_t now_us);
+/** The clock went back to now. */
+void roburoc4_link_rebase(roburoc4_private_link *l, uint32_t now_us);
 
 /* ---- drive ---- */
 
@@ -213,7 +219,6 @@ typedef roburoc4_private_follow follow;
 /* m/s and rad/s are treated alike, axis by axis. */
 enum { LINEAR, ANGULAR, AXES };
 
-void roburoc4_drive_start(drive *d, uint32_t now_us);
 /** Whether the robot's limits are plausible. */
 bool roburoc4_drive_limits_valid(const roburoc4_differential_properties *limits);
 void roburoc4_drive_arm(drive *d, uint32_t *events);
@@ -245,8 +250,6 @@ void roburoc4_drive_status(drive *d, const roburoc4_config *config,
 /** The differential service has this id and its properties are known, or (known is false) it cannot
  * be driven: the old id still receives a pending stop sequence, another id nothing. */
 void roburoc4_drive_service(drive *d, bool known, uint16_t id);
-/** After a clock fault: a stop sequence continues by count, everything else is due. */
-void roburoc4_drive_rebase(drive *d, uint32_t now_us);
 /** Whether the robot moves, or is to move, by this status. */
 bool roburoc4_drive_moving(const roburoc4_differential_status *status);
 
@@ -482,8 +485,6 @@ void roburoc4_subscriptions_leave(subscriptions *s, uint32_t service);
 /** Request those again that fell silent. */
 void roburoc4_subscriptions_renew_silent(subscriptions *s, const roburoc4_config *config,
                                          const roburoc4_private_link *l, uint64_t now_us, timer *t);
-/** After a clock fault. */
-void roburoc4_subscriptions_rebase(subscriptions *s, uint32_t now_us);
 
 /* ---- conditions.c ---- */
 

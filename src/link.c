@@ -27,10 +27,14 @@ typedef roburoc4_private_service service;
 #define CONTRADICTION_US (2 * SECOND)
 /* After this long, statuses that are less late than that are believed to be on time again. */
 #define FORGIVEN_US (60 * SECOND)
+/* How late or early a status is has 32 bits: more than this is counted as this. */
+#define FAR_US (INT32_C(1) << 30)
+/* The same of how far clocks have drifted apart; less, so that it hides no other robot. */
+#define MOST_DRIFT_US (UINT32_C(1) << 29)
 
 void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index, uint32_t period_ms) {
     service *s = &l->services[index];
-    s->period_cycles = (uint16_t)(period_ms / 10);
+    s->period_cycles = (uint16_t)cycles_of(period_ms);
     s->gap_min = UINT16_MAX;
     s->gap_count = 0;
 }
@@ -72,6 +76,30 @@ void roburoc4_link_restart(roburoc4_private_link *l, const roburoc4_config *conf
     l->round_trip_min_us = 0;
 }
 
+/** From the robot's stamp to arrival. The clocks differ, so only differences of it mean something.
+ */
+static uint64_t transit_of(uint64_t robot_cycles, uint64_t received_us) {
+    return received_us - robot_cycles * ROBUROC4_CYCLE_US;
+}
+
+static uint32_t sum(uint32_t a, uint32_t b) {
+    return a + b >= a ? a + b : UINT32_MAX;
+}
+
+static uint32_t not_negative(int32_t value) {
+    return value > 0 ? (uint32_t)value : 0;
+}
+
+/** By how much this transit time exceeds the shortest one; negative if it is shorter, 0 if it is
+ * the first one. */
+static int32_t late_by(const roburoc4_private_link *l, uint64_t transit) {
+    const int64_t late_us = (int64_t)(transit - l->floor_us);
+    if (!l->mapped) {
+        return 0;
+    }
+    return late_us > FAR_US ? FAR_US : late_us < -FAR_US ? -FAR_US : (int32_t)late_us;
+}
+
 /** Whether a status that is older than the newest of all services is from a restarted robot. */
 static bool restarted(roburoc4_private_link *l, const service *s, uint64_t robot_cycles,
                       uint64_t now_us) {
@@ -104,9 +132,18 @@ static void late(service *s, uint64_t robot_cycles) {
     }
 }
 
+/** How many periods a gap is, to the nearest. Dividing is a large function on small machines. */
+static uint32_t periods_in(uint32_t gap, uint32_t period_cycles) {
+    uint32_t periods = 0;
+    for (gap += period_cycles / 2; gap >= period_cycles; gap -= period_cycles) {
+        periods++;
+    }
+    return periods;
+}
+
 /** All gaps were longer than the period, so what seemed lost was never sent. */
 static void revoke_losses(service *s) {
-    const uint32_t steps = (s->gap_min + s->period_cycles / 2U) / s->period_cycles;
+    const uint32_t steps = periods_in(s->gap_min, s->period_cycles);
     const uint32_t wrong = (steps - 1) * (PERIOD_GAPS - 1);
     s->lost -= wrong < s->lost ? wrong : s->lost;
     const uint16_t recent = (uint16_t)at_most(wrong, s->recent_lost);
@@ -137,7 +174,7 @@ static void mark_seen(service *s, uint64_t gap) {
 static void count_periods(service *s, uint16_t gap) {
     uint32_t steps = 1;
     if (gap > s->period_cycles) { /* otherwise nothing is missing */
-        steps = (gap + s->period_cycles / 2U) / s->period_cycles;
+        steps = periods_in(gap, s->period_cycles);
         s->lost += steps - 1;
         s->recent_lost = (uint16_t)(s->recent_lost + steps - 1); /* both are small */
     }
@@ -146,12 +183,6 @@ static void count_periods(service *s, uint16_t gap) {
         s->recent /= 2;
         s->recent_lost /= 2;
     }
-}
-
-/** From the robot's stamp to arrival. The clocks differ, so only differences of it mean something.
- */
-static uint64_t transit_of(uint64_t robot_cycles, uint64_t received_us) {
-    return received_us - robot_cycles * ROBUROC4_CYCLE_US;
 }
 
 /** RFC 3550, 6.4.1: the deviation of transit times, smoothed by 16. */
@@ -170,25 +201,23 @@ static void measure(service *s, uint64_t gap, uint64_t transit) {
     }
 }
 
-/** By how much this transit time exceeds the shortest one. */
-static uint64_t lateness(const roburoc4_private_link *l, uint64_t transit) {
-    const int64_t late_us = (int64_t)(transit - l->floor_us);
-    return late_us > 0 ? (uint64_t)late_us : 0;
-}
-
 /** How far the bound on ages has grown since it was proven: the clocks of host and robot may have
  *  drifted apart by 500 ppm. */
-static uint64_t drifted_us(const roburoc4_private_link *l, uint64_t now_us) {
-    const uint64_t span_us = now_us - l->proven_us;
-    return span_us < (uint64_t)1 << 63 ? (span_us >> 11) + (span_us >> 16) : 0;
+static uint32_t drifted_us(const roburoc4_private_link *l, uint64_t now_us) {
+    const uint64_t part_us = (now_us - l->proven_us) >> 11;
+    if (part_us >> 52 != 0) {
+        return 0; /* it was proven later */
+    }
+    const uint32_t least_us = part_us < MOST_DRIFT_US ? (uint32_t)part_us : MOST_DRIFT_US;
+    return least_us + (least_us >> 5);
 }
 
 /** A status came in less time than any before. That much of the drift was not there. */
-static void lower_floor(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
-    const uint64_t below_us = l->floor_us - transit;
-    const uint64_t drifted = drifted_us(l, now_us);
-    if (l->floor_age_us != AGE_UNKNOWN && drifted > below_us) {
-        l->floor_age_us = clipped(l->floor_age_us + (drifted - below_us));
+static void lower_floor(roburoc4_private_link *l, uint64_t transit, uint32_t below_us,
+                        uint64_t now_us) {
+    const uint32_t drifted = drifted_us(l, now_us);
+    if (drifted > below_us) {
+        l->floor_age_us = sum(l->floor_age_us, drifted - below_us);
     }
     l->floor_us = transit;
     l->proven_us = now_us;
@@ -197,7 +226,8 @@ static void lower_floor(roburoc4_private_link *l, uint64_t transit, uint64_t now
 /** The clock is mapped by the smallest offset of the last one to two windows, because delays only
  *  add to it. floor_us is the shortest transit time so far; the status that had it was at most
  *  floor_age_us old when it arrived, which is unknown until the first answer. */
-static void map_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
+static inline void map_times(roburoc4_private_link *l, uint64_t transit, int32_t late_us,
+                             uint64_t now_us) {
     const int64_t offset = (int64_t)transit;
     if (!l->mapped) {
         l->mapped = 1;
@@ -207,49 +237,48 @@ static void map_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
         l->floor_us = transit;
         l->proven_us = now_us;
         l->excess_us = 0;
-    } else if ((uint32_t)now_us - l->offset_since_us >= MAP_WINDOW_US) {
+        return;
+    }
+    if ((uint32_t)now_us - l->offset_since_us >= MAP_WINDOW_US) {
         l->offset_before_us = l->offset_us;
         l->offset_us = offset;
         l->offset_since_us = (uint32_t)now_us;
     } else if (offset < l->offset_us) {
         l->offset_us = offset;
     }
-    if ((int64_t)(transit - l->floor_us) < 0) {
-        lower_floor(l, transit, now_us);
+    if (late_us < 0) {
+        lower_floor(l, transit, (uint32_t)-late_us, now_us);
     }
 }
 
 /** Whether answers have been on time, but statuses late, for this long. */
-static bool contradicted_for(roburoc4_private_link *l, uint32_t span_us, uint64_t now_us) {
+static bool contradicted_for(roburoc4_private_link *l, uint32_t span_us, uint32_t now_us) {
     if (!l->contradicted) {
         l->contradicted = 1;
-        l->contradicted_us = (uint32_t)now_us;
+        l->contradicted_us = now_us;
     }
-    return (uint32_t)now_us - l->contradicted_us >= span_us;
+    return now_us - l->contradicted_us >= span_us;
 }
 
 /** Pairs of an answer and a status showed that the bound is too high by this: raise floor_us as far
  *  as the clocks may have drifted or jumped since it was proven, then lower floor_age_us. If both
  *  do not suffice, answers may have a queue of their own, and prove nothing for a while. */
-static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_us,
+static void lower_bound(roburoc4_private_link *l, uint32_t late_us, uint32_t by_us,
                         uint64_t now_us) {
-    const uint64_t late_us = lateness(l, transit);
-    const uint64_t drifted = drifted_us(l, now_us);
-    const uint64_t age_us = l->floor_age_us + drifted;
-    uint64_t rise_us = drifted + l->slack_us;
-    rise_us = rise_us < late_us ? rise_us : late_us;
-    rise_us = rise_us < by_us ? rise_us : by_us;
+    const uint32_t drifted = drifted_us(l, now_us);
+    const uint32_t age_us = sum(l->floor_age_us, drifted);
+    uint32_t rise_us = at_most(at_most(sum(drifted, l->slack_us), late_us), by_us);
     if (by_us - rise_us <= age_us) {
         l->contradicted = 0;
-    } else if (contradicted_for(l, FORGIVEN_US, now_us)) {
-        rise_us = by_us - age_us < late_us ? by_us - age_us : late_us;
-        by_us = (uint32_t)(rise_us + age_us);
+    } else if (contradicted_for(l, FORGIVEN_US, (uint32_t)now_us)) {
+        rise_us = at_most(by_us - age_us, late_us);
+        by_us = rise_us + age_us;
         l->contradicted = 0;
     } else {
         rise_us = by_us = 0;
     }
     l->floor_us += rise_us;
-    l->floor_age_us = clipped(age_us - (by_us - rise_us));
+    l->floor_age_us = age_us - (by_us - rise_us);
     l->proven_us = now_us;
 }
 
@@ -257,17 +286,16 @@ static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_
  *  bounds its age, and distinguishes drifting clocks from a growing queue: with either, all
  *  statuses look late. Because a network can swap an answer and a status, the bound is lowered only
  *  by what all such pairs within a second agree on. */
-static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
+static void learn_age(roburoc4_private_link *l, uint32_t late_us, uint64_t now_us) {
+    const uint32_t drifted = drifted_us(l, now_us);
     const uint32_t proven_us = (uint32_t)now_us - l->asked_us + ROBUROC4_CYCLE_US;
-    const uint64_t bound_us = lateness(l, transit) + l->floor_age_us + drifted_us(l, now_us);
-    const uint64_t over_us = bound_us > proven_us ? bound_us - proven_us : 0;
-    const uint32_t excess_us = clipped(over_us);
+    const uint32_t bound_us = sum(late_us + drifted, l->floor_age_us);
+    const uint32_t excess_us = bound_us > proven_us ? bound_us - proven_us : 0;
     if (l->floor_age_us == AGE_UNKNOWN) {
         l->floor_age_us = proven_us;
         l->proven_us = now_us;
     } else if (l->excess_us == 0) {
-        if (lateness(l, transit) <=
-            l->round_trip_min_us + ROBUROC4_CYCLE_US + drifted_us(l, now_us)) {
+        if (late_us <= sum(l->round_trip_min_us, ROBUROC4_CYCLE_US + drifted)) {
             l->contradicted = 0; /* a slow answer alone would not show it */
         }
         l->excess_us = excess_us;
@@ -275,7 +303,7 @@ static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
     } else {
         l->excess_us = at_most(l->excess_us, excess_us);
         if ((uint32_t)now_us - l->excess_since_us >= SECOND) {
-            lower_bound(l, transit, l->excess_us, now_us);
+            lower_bound(l, late_us, l->excess_us, now_us);
             l->slack_us = l->excess_us < excess_us ? l->slack_us : 0; /* was it before the jump? */
             l->excess_us = 0;
         }
@@ -292,23 +320,22 @@ static bool dates_itself(const roburoc4_private_link *l, const service *s, uint6
 }
 
 /** Whether a status is from later than is possible: from a robot that restarted, or another one. */
-static bool ahead_of_time(const roburoc4_private_link *l, uint64_t transit, bool gap,
-                          uint64_t now_us) {
+static inline bool ahead_of_time(const roburoc4_private_link *l, int32_t late_us, bool gap,
+                                 uint64_t now_us) {
     const bool known = gap && l->floor_age_us != AGE_UNKNOWN;
-    const uint64_t span_us =
-        known ? l->floor_age_us + 2U * ROBUROC4_CYCLE_US : (uint64_t)CLOCK_TOLERANCE_US;
-    return l->mapped &&
-           (int64_t)(l->floor_us - transit) > (int64_t)(span_us + drifted_us(l, now_us));
+    const uint32_t span_us =
+        known ? sum(l->floor_age_us, 2 * ROBUROC4_CYCLE_US) : CLOCK_TOLERANCE_US;
+    return l->mapped && not_negative(-late_us) > sum(span_us, drifted_us(l, now_us));
 }
 
 /** Whether statuses are so late that the robot's clock was set back, by a restart. It may also be a
  *  queue that holds them back, unless answers are on time, or nothing came for a while. */
-static bool clock_was_set(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
-    if (!l->mapped || lateness(l, transit) <= drifted_us(l, now_us) + CLOCK_TOLERANCE_US) {
+static bool clock_was_set(roburoc4_private_link *l, int32_t late_us, uint64_t now_us) {
+    if (!l->mapped || not_negative(late_us) <= drifted_us(l, now_us) + CLOCK_TOLERANCE_US) {
         return false;
     }
     return l->resubscribed || (l->answered && (uint32_t)now_us - l->asked_us < CLOCK_TOLERANCE_US &&
-                               contradicted_for(l, CONTRADICTION_US, now_us));
+                               contradicted_for(l, CONTRADICTION_US, (uint32_t)now_us));
 }
 
 static bool was_silent(const roburoc4_private_link *l, uint64_t now_us) {
@@ -327,42 +354,42 @@ static bool clock_is_lost(const roburoc4_private_link *l, uint64_t robot_cycles,
 
 void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {
     const uint64_t transit = transit_of(robot_cycles, now_us);
-    if (robot_cycles < l->newest_cycles || ahead_of_time(l, transit, true, now_us) ||
+    const int32_t late_us = late_by(l, transit);
+    if (robot_cycles < l->newest_cycles || ahead_of_time(l, late_us, true, now_us) ||
         clock_is_lost(l, robot_cycles, now_us)) {
         return; /* perhaps from another start: its subscribed statuses tell */
     }
     l->newest_cycles = robot_cycles;
     l->back_count = 0;
-    map_times(l, transit, now_us);
+    map_times(l, transit, late_us, now_us);
 }
 
 /** What a status that is not the next one, on time, means for the robot. */
 static verdict judge_time(roburoc4_private_link *l, const service *s, uint64_t robot_cycles,
-                          uint64_t transit, uint64_t now_us) {
+                          int32_t late_us, uint64_t now_us) {
     const bool gap = was_silent(l, now_us);
     if (clock_is_lost(l, robot_cycles, now_us)) {
         return VERDICT_REBOOT;
     }
-    if (ahead_of_time(l, transit, gap, now_us)) {
+    if (ahead_of_time(l, late_us, gap, now_us)) {
         l->back_count++; /* without a gap, one may be a corrupted datagram */
         return gap || l->back_count >= BACK_STATUSES ? VERDICT_REBOOT : VERDICT_OLD;
     }
-    if (robot_cycles < l->newest_cycles) {
-        return restarted(l, s, robot_cycles, now_us) ? VERDICT_REBOOT : VERDICT_NEW;
-    }
-    return clock_was_set(l, transit, now_us) ? VERDICT_REBOOT : VERDICT_NEW;
+    const bool restart = robot_cycles < l->newest_cycles ? restarted(l, s, robot_cycles, now_us)
+                                                         : clock_was_set(l, late_us, now_us);
+    return restart ? VERDICT_REBOOT : VERDICT_NEW;
 }
 
 /** What a status that counts tells of the clocks and of ages. */
-static void learn_times(roburoc4_private_link *l, const service *s, uint64_t transit, bool newest,
-                        uint64_t now_us) {
-    map_times(l, transit, now_us);
-    if (l->slack_us > 0 && l->slack_us > lateness(l, transit)) {
-        l->slack_us = (uint32_t)lateness(l, transit); /* the clock has not jumped by more */
+static void learn_times(roburoc4_private_link *l, const service *s, uint64_t transit,
+                        int32_t late_us, bool newest, uint64_t now_us) {
+    map_times(l, transit, late_us, now_us);
+    if (l->slack_us > not_negative(late_us)) {
+        l->slack_us = not_negative(late_us); /* the clock has not jumped by more */
     }
     if (l->answered && newest && dates_itself(l, s, now_us)) {
         l->answered = 0;
-        learn_age(l, transit, now_us);
+        learn_age(l, not_negative(late_us), now_us);
     }
 }
 
@@ -370,8 +397,10 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
                              uint64_t now_us) {
     const uint64_t transit = transit_of(robot_cycles, now_us);
     const bool newest = robot_cycles >= l->newest_cycles;
+    int32_t late_us = (int32_t)(transit - l->floor_us); /* if it is on time */
     if (!newest || !l->mapped || l->resubscribed || transit - l->floor_us >= CLOCK_TOLERANCE_US) {
-        const verdict verdict = judge_time(l, s, robot_cycles, transit, now_us);
+        late_us = late_by(l, transit);
+        const verdict verdict = judge_time(l, s, robot_cycles, late_us, now_us);
         if (verdict != VERDICT_NEW) {
             return verdict;
         }
@@ -394,7 +423,7 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
             measure(s, gap, transit);
         }
     }
-    learn_times(l, s, transit, newest, now_us);
+    learn_times(l, s, transit, late_us, newest, now_us);
     s->received++;
     s->robot_cycles = robot_cycles;
     s->received_us = now_us;
@@ -421,9 +450,9 @@ void roburoc4_link_round_trip(roburoc4_private_link *l, bool text, uint32_t sent
 
 uint32_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint64_t now_us) {
     const service *s = &l->services[index];
-    return clipped(now_us - s->received_us +
-                   lateness(l, transit_of(s->robot_cycles, s->received_us)) + l->floor_age_us +
-                   drifted_us(l, s->received_us));
+    const uint32_t late_us = not_negative(late_by(l, transit_of(s->robot_cycles, s->received_us)));
+    const uint32_t grown_us = late_us + drifted_us(l, s->received_us);
+    return sum(clipped(now_us - s->received_us), sum(grown_us, l->floor_age_us));
 }
 
 uint32_t roburoc4_link_age_at_arrival(const roburoc4_private_link *l, uint32_t index) {
@@ -441,14 +470,11 @@ void roburoc4_link_invalidate(roburoc4_private_link *l) {
     }
 }
 
-void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t before_us, uint64_t now_us) {
+void roburoc4_link_rebase(roburoc4_private_link *l, uint32_t now_us) {
     roburoc4_link_invalidate(l); /* the age of statuses is no longer known */
-    l->heard_us += (uint32_t)(now_us - before_us);
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         l->services[i].renewed = 0;
     }
-    l->last_used_us = (uint32_t)now_us;
-    l->card_inserted_us = (uint32_t)now_us;
-    roburoc4_link_forget_times(l, (uint32_t)now_us);
-    l->asked_us = (uint32_t)now_us; /* nor is it known when the open requests were sent */
+    roburoc4_link_forget_times(l, now_us);
+    l->asked_us = now_us; /* nor is it known when the open requests were sent */
 }

@@ -137,14 +137,21 @@ static uint8_t unused_id(requests *r) {
     return r->last_id;
 }
 
+/** Whether it is the turn of 0x01 after so many tries. */
+static bool manual_id_is_next(uint32_t tries) {
+    while (tries >= MANUAL_ID_EVERY) {
+        tries -= MANUAL_ID_EVERY;
+    }
+    return tries == MANUAL_ID_EVERY - 1;
+}
+
 /** The id of the next try. */
 static uint8_t next_id(requests *r, const slot *s) {
     const bool directory =
         s->ask.action == ROBUROC4_ACTION_GET && s->ask.kind == ROBUROC4_SERVICE_DIRECTORY;
     const bool connecting = directory && s->ask.max_tries == REQUEST_FOREVER;
     const bool doubting = directory && s->tries == 0;
-    if ((in_fixed_id_mode(r) && !doubting) ||
-        (connecting && s->tries % MANUAL_ID_EVERY == MANUAL_ID_EVERY - 1)) {
+    if ((in_fixed_id_mode(r) && !doubting) || (connecting && manual_id_is_next(s->tries))) {
         return ROBUROC4_HEADER_MANUAL;
     }
     return s->tries > 0 && s->id != ROBUROC4_HEADER_MANUAL ? s->id : unused_id(r);
@@ -328,10 +335,15 @@ static void be_quiet_after_text(requests *r, uint32_t now_us) {
     wait_for_copies(r, QUIET_TEXTS, slower(SHORTEST_QUIET_US, r), now_us);
 }
 
+/** Of at most four seconds. Dividing is a large function on small machines. */
+static uint32_t ms_of(uint32_t us) {
+    return (us >> 3) * 8389 >> 20;
+}
+
 /** The slowest answer of the last ones in fixed-id mode, as an upper bound of the round trip. */
 static void note_slowest(requests *r, const slot *s, uint32_t now_us) {
     const uint32_t took_us = now_us - s->sent_us;
-    const uint32_t took_ms = at_most(took_us, LONGEST_QUIET_US / 2) / MS + 1;
+    const uint32_t took_ms = ms_of(at_most(took_us, LONGEST_QUIET_US / 2)) + 1;
     const uint32_t before_ms = r->slowest_ms * 7U / 8U;
     r->slowest_ms = (uint16_t)(took_ms > before_ms ? took_ms : before_ms);
 }

@@ -28,7 +28,7 @@ static bool open_about(client *c, uint8_t action, uint32_t service, uint8_t max_
     if (action == ROBUROC4_ACTION_INSERT || action == ROBUROC4_ACTION_DELETE) {
         a.target = ROBUROC4_SERVICE_NOTIFICATION;
         a.subject = id;
-        a.detail = (uint8_t)(c->private_config.period_ms[service] / 10);
+        a.detail = (uint8_t)cycles_of(c->private_config.period_ms[service]);
     }
     return roburoc4_requests_begin(&c->private_requests, &a);
 }
@@ -99,7 +99,8 @@ static bool open_probe(client *c) {
         }
     }
     do {
-        s->probe_kind = (uint8_t)((s->probe_kind + 1U) % ROBUROC4_SERVICE_COUNT);
+        s->probe_kind =
+            s->probe_kind + 1U < ROBUROC4_SERVICE_COUNT ? (uint8_t)(s->probe_kind + 1U) : 0;
     } while (s->probe_kind != 0 && (d->listed & service_bit(s->probe_kind)) == 0);
     return open_about(c, ROBUROC4_ACTION_GET, s->probe_kind, PROBE_TRIES);
 }

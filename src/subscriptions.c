@@ -85,10 +85,3 @@ void roburoc4_subscriptions_renew_silent(subscriptions *s, const roburoc4_config
         }
     }
 }
-
-void roburoc4_subscriptions_rebase(subscriptions *s, uint32_t now_us) {
-    for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
-        s->inserted_us[i] = now_us;
-    }
-    s->refused_us = now_us;
-}

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <string>
 
 using namespace roburoc4_tests;
 
@@ -87,6 +88,22 @@ TEST(Limits, ScaleComesBeforeTheClamp) {
     config.scale_angular = 0.5F;
     expect_sent(sent_for(config, usual_limits(), 1, 1), 1.3F, 0.5F);
     expect_sent(sent_for(config, usual_limits(), 2.5F, -8), 2.6F, -4);
+}
+
+TEST(Limits, ScaledSpeedsAreRoundedAsFloatsAre) {
+    const unsigned seed = std::random_device()();
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> scale(0.01F, 10), speed(-0.25F, 0.25F);
+    for (int i = 0; i < 300; i++) {
+        roburoc4_config config = unlimited_config();
+        config.scale_linear = scale(random);
+        config.scale_angular = scale(random);
+        const float v = speed(random), w = speed(random) * (i % 3 == 0 ? 1e-30F : 1);
+        const Command sent = sent_for(config, usual_limits(), v, w);
+        EXPECT_EQ(v * config.scale_linear, sent.linear) << v << " by " << config.scale_linear;
+        EXPECT_EQ(w * config.scale_angular, sent.angular) << w << " by " << config.scale_angular;
+    }
 }
 
 TEST(Limits, TheGreatestSpeedsAtTheGreatestScaleAreClamped) {
