@@ -21,13 +21,14 @@ SAFETY = Path(__file__).parents[2] / "docs" / "SAFETY.md"
 class Person:
     """Measures what the robot really did since the last question."""
 
-    def __init__(self, sim: Simulator) -> None:
-        self.sim = sim
+    def __init__(self, sim: Simulator, robot: Robot) -> None:
+        self.sim, self.robot = sim, robot
         self.at = sim.true_pose
         self.asked: list[str] = []
 
     def __call__(self, text: str) -> str:
         self.asked.append(text)
+        assert self.robot.facts.armed is False
         before, self.at = self.at, self.sim.true_pose
         if "metres" in text:
             return f"{math.hypot(self.at.x_m - before.x_m, self.at.y_m - before.y_m):.3f}"
@@ -44,7 +45,7 @@ def on_the_ground(
         with sim.connect(scale_linear=1.0, scale_angular=1.0) as robot:
             robot.arm()
             try:
-                return ground.drive(robot, lambda: held(sim, robot), Person(sim)), sim
+                return ground.drive(robot, lambda: held(sim, robot), Person(sim, robot)), sim
             except ReleasedError:
                 robot.rest()
                 assert sim.state.last_linear_m_s == 0.0
@@ -96,7 +97,7 @@ def test_after_a_stop_it_drives_once_more_from_the_begin(stopped_by: str) -> Non
     with Simulator(slip=SLIP) as sim:
         sim.clear_obstacles()
         with sim.connect(scale_linear=1.0, scale_angular=1.0) as robot:
-            person, world, checks = Person(sim), Mock(), iter(range(10**6))
+            person, world, checks = Person(sim, robot), Mock(), iter(range(10**6))
 
             def held() -> bool:
                 is_stopped = next(checks) == 50

@@ -33,11 +33,17 @@ def drive(robot: Robot, held: Callable[[], bool], ask: Callable[[str], str]) -> 
     def watch(_result: MoveResult) -> None:
         check()
 
+    def asked(text: str) -> str:
+        robot.stop()  # people are near it
+        answer = ask(text)
+        robot.arm()
+        return answer
+
     looking = None if _sees(robot) else 0.0  # somebody does, with an emergency stop in hand
     counted_m = robot.move(1.0, speed=0.2, clearance=looking, on_progress=watch).distance_m
-    real_m = number(ask, "How many metres did the robot move?")
+    real_m = number(asked, "How many metres did the robot move?")
     turned = robot.turn(math.pi / 2, speed=0.3, clearance=looking, on_progress=watch).angle_rad
-    degrees = number(ask, "By how many degrees did it turn, to the left?")
+    degrees = number(asked, "By how many degrees did it turn, to the left?")
     found = {
         "scale_linear": counted_m / real_m if real_m else math.inf,
         "scale_angular": turned / math.radians(degrees) if degrees else math.inf,
@@ -47,7 +53,7 @@ def drive(robot: Robot, held: Callable[[], bool], ask: Callable[[str], str]) -> 
             "scales", "What the wheels count is far from what was measured: measure again."
         )
     for speed in (0.3, 0.6):
-        ask(f"It will drive 2 m and stop from {speed:g} m/s: is the way free? yes")
+        asked(f"It will drive 2 m and stop from {speed:g} m/s: is the way free? yes")
         way_m = _stop_from(robot, speed, check) / found["scale_linear"]
         found[f"stops from {speed:g} m/s within, m"] = round(way_m, 2)
         if way_m > 2 * _BRAKING_S * speed:

@@ -516,7 +516,7 @@ def _replace(s: Session, pose: tuple[float, float, float]) -> None:
 def _travel(s: Session, command: tuple[float, float]) -> tuple[list[float], list[float]]:
     """Drive for 3 s; return way and turn by the pose, and by the speeds."""
     s.stop()
-    s.statuses.clear()
+    s.listen(0.5)  # where it stands
     since_s = s.world.now_s
     s.run(3.0, command)
     _rest(s)
