@@ -433,6 +433,13 @@ roburoc4_result roburoc4_encode_iocard_properties(uint8_t *buffer, size_t capaci
     return encode_fixed_properties(buffer, capacity, id, &iocard_properties, properties);
 }
 
+/** How many telemeters fit into the rest of a datagram. Dividing is a large function on small
+ * machines; this is exact. */
+static uint32_t telemeters_in(size_t bytes) {
+    const uint32_t words = (uint32_t)(bytes < SIZE_LIMIT ? bytes : SIZE_LIMIT) / 4;
+    return words * UINT32_C(149797) >> 20; /* a seventh */
+}
+
 roburoc4_result roburoc4_decode_telemeter_properties(const uint8_t *data, size_t size,
                                                      roburoc4_telemeter_list *out) {
     reader r = reader_of(data, size);
@@ -445,7 +452,7 @@ roburoc4_result roburoc4_decode_telemeter_properties(const uint8_t *data, size_t
     if (count > INT32_MAX) {
         return ROBUROC4_ERR_VALUE;
     }
-    if (count > SIZE_LIMIT || count * SIZE_TELEMETER > r.left) {
+    if (count > telemeters_in(r.left)) {
         return ROBUROC4_ERR_SHORT;
     }
     out->entries = r.at;
