@@ -942,6 +942,151 @@ TEST_F(MoveView, OneStatusAtRestIsNotRest) {
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, step());
 }
 
+TEST_F(MoveView, AfterAProgramWasHeldUpTheSpeedGoesOnFromWhereItWas) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2, 0, nullptr));
+    for (int i = 0; i < 3; i++)
+        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    const float before = move.linear_m_s;
+    ASSERT_GT(before, 0);
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step(260000));
+    EXPECT_EQ(before, move.linear_m_s) << "nobody knows what was commanded meanwhile";
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    EXPECT_GT(move.linear_m_s, before);
+}
+
+TEST_F(MoveView, ARobotMayFollowTwoSecondsLateAndNotFour) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 3, 0, nullptr));
+    view.pose_cycles = 0;
+    std::uint64_t moved_us = 0;
+    while (move.result == ROBUROC4_MOVE_RUNNING && moved_us < 5 * second) {
+        now_us += 50000;
+        view.speed_cycles += 5;
+        view.sent_linear_m_s = move.linear_m_s;
+        roburoc4_move_step_view(&move, &view, now_us);
+        moved_us += move.linear_m_s > 0 ? 50000 : 0;
+    }
+    EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, move.result);
+    EXPECT_GT(moved_us, 2350000U);
+    EXPECT_LT(moved_us, 4 * second);
+}
+
+TEST_F(MoveView, ASecondWithoutSpeedsEndsAMoveThatHasNoPose) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
+    view.pose_cycles = 0;
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step_view(&move, &view, now_us));
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step_view(&move, &view, now_us + second));
+    EXPECT_EQ(ROBUROC4_MOVE_LOST, roburoc4_move_step_view(&move, &view, now_us + second + 1));
+}
+
+TEST_F(MoveView, WhatARollingRobotRollsTowardsIsInItsWay) {
+    for (const bool bumper : {false, true}) {
+        view.front_m = 100;
+        view.front_bumper = 0;
+        view.linear_m_s = 0.5F;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, -1, 0, nullptr));
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        (bumper ? view.rear_m : view.front_m) = 0.2F;
+        view.front_bumper = bumper;
+        EXPECT_EQ(bumper ? ROBUROC4_MOVE_BUMPER : ROBUROC4_MOVE_OBSTACLE, step());
+        view.rear_m = 100;
+    }
+}
+
+TEST_F(MoveView, BeginsWithTheSpeedThatIsCommandedAndSlowsDown) {
+    view.linear_m_s = view.sent_linear_m_s = 0.3F;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    EXPECT_EQ(0.3F, move.linear_m_s);
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    EXPECT_NEAR(0.3F - 0.05F * options.linear_m_s2, move.linear_m_s, 1e-6);
+}
+
+TEST_F(MoveView, WaitsUntilARobotThatRollsStands) {
+    for (const bool turns : {false, true}) {
+        (turns ? view.angular_rad_s : view.linear_m_s) = 0.5F;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
+        for (int i = 0; i < 6; i++) {
+            ASSERT_EQ(ROBUROC4_MOVE_RUNNING, step()) << turns;
+            ASSERT_EQ(0, move.linear_m_s);
+            ASSERT_EQ(0, move.angular_rad_s);
+        }
+        view.linear_m_s = view.angular_rad_s = 0;
+        for (int i = 0; i < 4; i++)
+            ASSERT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        EXPECT_GT(move.linear_m_s, 0) << turns;
+    }
+}
+
+TEST_F(MoveView, CountsNoWayAcrossARestartOfTheRobot) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2, 0, nullptr));
+    view.pose_cycles = 0;
+    roburoc4_move_step_view(&move, &view, now_us);
+    for (const std::uint64_t cycles : {std::uint64_t{5000}, std::uint64_t{3}}) {
+        view.linear_m_s = 0.04F;
+        view.speed_cycles = cycles;
+        now_us += 50000;
+        roburoc4_move_step_view(&move, &view, now_us);
+        EXPECT_EQ(0, move.distance_m) << cycles;
+    }
+}
+
+TEST_F(MoveView, APoseThatJumpsAnyWayEndsIt) {
+    for (const int way : {0, 1, 2}) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2, 0, nullptr));
+        view.x_m = view.y_m = view.theta_rad = 0;
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        (way == 0 ? view.x_m : way == 1 ? view.y_m : view.theta_rad) = 0.5;
+        EXPECT_EQ(ROBUROC4_MOVE_RELOCALIZED, step()) << way;
+    }
+}
+
+TEST_F(MoveView, ARobotThatNeverRestsEndsTheWaitForItAfterFiveSeconds) {
+    view.linear_m_s = 0.5F;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
+    const std::uint64_t begun_us = now_us;
+    while (step() == ROBUROC4_MOVE_RUNNING && now_us < begun_us + 60 * second) {
+    }
+    EXPECT_EQ(ROBUROC4_MOVE_TIMEOUT, move.result);
+    EXPECT_NEAR(5e6, static_cast<double>(now_us - begun_us), 1e5);
+}
+
+TEST_F(MoveView, WayIsTheMeanOfTwoSpeedsAndThePoseIsScaled) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2, 0, nullptr));
+    view.pose_cycles = 0;
+    roburoc4_move_step_view(&move, &view, now_us);
+    view.linear_m_s = 0.4F;
+    view.speed_cycles += 10;
+    roburoc4_move_step_view(&move, &view, now_us += 100000);
+    EXPECT_NEAR(0.02F, move.distance_m, 1e-5);
+    view.linear_m_s = 0;
+    view.pose_cycles = 1;
+    view.true_per_pose_m = 1.5F;
+    view.true_per_pose_rad = 0.5F;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2, 0, nullptr));
+    step();
+    view.x_m = 0.01;
+    view.theta_rad = 0.01;
+    step();
+    EXPECT_NEAR(0.015F, move.distance_m, 1e-4);
+    EXPECT_NEAR(0.005F, move.angle_rad, 1e-4);
+}
+
+TEST_F(MoveView, ATightArcIsNoFasterThanItsTurnMayBe) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2, 12, &options));
+    view.pose_cycles = 0;
+    float most = 0;
+    for (int i = 0; i < 60 && move.result == ROBUROC4_MOVE_RUNNING; i++) {
+        now_us += 50000;
+        view.speed_cycles += 5;
+        view.linear_m_s = view.sent_linear_m_s = move.linear_m_s;
+        view.angular_rad_s = view.sent_angular_rad_s = move.angular_rad_s;
+        roburoc4_move_step_view(&move, &view, now_us);
+        most = std::max(most, move.linear_m_s);
+    }
+    EXPECT_NEAR(options.angular_rad_s * 2 / 12, most, 0.005);
+}
+
 /* ------------------------------------------------------------------------- what a client knows */
 
 TEST(MoveOfAClient, TurnsByTheAngleAlsoWhereOnlyTurnsAreScaled) {
