@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <string>
+#include <utility>
 
 extern "C" {
 #include "os.h"
@@ -317,6 +319,85 @@ TEST_F(Faults, WaitingForADeadlineThatHasPassedTakesNoTime) {
     sys.send_takes_us = 2000000; /* by then the next try is due */
     roburoc4_udp_wait(&udp_, &client_, 1000000);
     EXPECT_EQ(sys.waited_us, 0u);
+}
+
+/* ------------------------------------------------------------------------------- addresses --- */
+
+roburoc4_address some_address(uint16_t port) {
+    roburoc4_address address{};
+    address.ip[0] = 127;
+    address.ip[3] = 1;
+    address.family = 4;
+    address.port = port;
+    return address;
+}
+
+TEST(Resolve, HasThePortOfTheTextElseTheDefault) {
+    for (const auto &[text, port] : {std::pair<const char *, int>{"robot", 1},
+                                     {"robot:65535", 65535},
+                                     {"[robot:", 0},
+                                     {"robot:00080", 80}}) {
+        roburoc4_address address{};
+        EXPECT_EQ(roburoc4_udp_resolve(text, 1, &address),
+                  port != 0 ? ROBUROC4_OK : ROBUROC4_ERR_ARGUMENT)
+            << text;
+        EXPECT_EQ(address.port, port) << text;
+    }
+    roburoc4_address address{};
+    EXPECT_EQ(roburoc4_udp_resolve("robot", 0, &address), ROBUROC4_OK);
+    EXPECT_EQ(address.port, ROBUROC4_DEFAULT_PORT);
+    EXPECT_EQ(roburoc4_udp_resolve("nobody", 0, &address), ROBUROC4_ERR_RESOLVE);
+    EXPECT_EQ(roburoc4_udp_resolve("robot", 0, nullptr), ROBUROC4_ERR_ARGUMENT);
+}
+
+TEST(Resolve, RefusesTextsThatAreNotAddresses) {
+    for (const char *text :
+         {"", ":60000", "host:", "host:0", "host:65536", "host:100000", "host:-1", "host:6x", "[]",
+          "[::1", "[::1]60000", "[::1]:", "[::1]:0", "[host]:1", "a b", " 1.2.3.4", "1.2.3.4\n"}) {
+        roburoc4_address address{};
+        EXPECT_EQ(roburoc4_udp_resolve(text, 1, &address), ROBUROC4_ERR_ARGUMENT) << text;
+        EXPECT_EQ(address.family, 0) << text;
+    }
+    roburoc4_address address{};
+    EXPECT_EQ(roburoc4_udp_resolve(nullptr, 1, &address), ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_udp_resolve(std::string(256, 'a').c_str(), 1, &address),
+              ROBUROC4_ERR_ARGUMENT);
+}
+
+TEST(AddressText, NeedsRoomForItsNul) {
+    roburoc4_address address = some_address(80);
+    char text[ROBUROC4_ADDRESS_TEXT_SIZE];
+    EXPECT_EQ(roburoc4_udp_address_text(&address, text, sizeof text), 12);
+    EXPECT_EQ(roburoc4_udp_address_text(&address, text, 13), 12);
+    EXPECT_EQ(roburoc4_udp_address_text(&address, text, 12), ROBUROC4_ERR_BUFFER);
+    address.family = 5;
+    EXPECT_EQ(roburoc4_udp_address_text(&address, text, sizeof text), ROBUROC4_ERR_ARGUMENT);
+}
+
+TEST(Udp, RefusesAnotherStructSizeAndBadAddresses) {
+    roburoc4_udp udp{};
+    roburoc4_address address = some_address(1);
+    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp - 8, &address), ROBUROC4_ERR_SIZE);
+    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, nullptr), ROBUROC4_ERR_ARGUMENT);
+    address.port = 0;
+    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &address), ROBUROC4_ERR_ARGUMENT);
+    address.port = 1;
+    address.family = 0;
+    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &address), ROBUROC4_ERR_ARGUMENT);
+    address.family = 6;
+    address.ip[0] = 0xFE;
+    address.ip[1] = 0x80;
+    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &address), ROBUROC4_ERR_ARGUMENT)
+        << "a link-local address says nothing without its zone";
+    EXPECT_EQ(roburoc4_udp_fd(&udp), -1);
+}
+
+TEST(AbsentRobot, HasATextForEveryFault) {
+    for (uint32_t fault = 0; fault <= ROBUROC4_FAULT_OTHER; fault++) {
+        EXPECT_STRNE(roburoc4_udp_fault_text(fault), "unknown fault");
+    }
+    EXPECT_STREQ(roburoc4_udp_fault_text(0), "no fault");
+    EXPECT_STREQ(roburoc4_udp_fault_text(ROBUROC4_FAULT_OTHER + 1), "unknown fault");
 }
 
 } // namespace
