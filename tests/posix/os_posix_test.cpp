@@ -5,6 +5,7 @@
  */
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <arpa/inet.h>
 #include <cerrno>
 #include <cstdarg>
@@ -154,7 +155,7 @@ ssize_t fake_recv(int, void *buffer, size_t capacity, int flags) {
         return -1;
     }
     const size_t copied = first.bytes.size() < capacity ? first.bytes.size() : capacity;
-    std::memcpy(buffer, first.bytes.data(), copied);
+    std::copy_n(first.bytes.begin(), copied, static_cast<uint8_t *>(buffer));
     return static_cast<ssize_t>((flags & MSG_TRUNC) != 0 ? first.bytes.size() : copied);
 }
 
