@@ -83,7 +83,8 @@ def publish(publisher, count, sent_s):
     """Publish speeds, each of which is another one; fill in when."""
     luck = random.Random(1)
     for number in range(count):
-        speed = struct.unpack("<f", struct.pack("<f", 0.2 + 1e-5 * number))[0]
+        sign = -1 if number // 40 % 2 else 1  # to and fro, as there are walls
+        speed = struct.unpack("<f", struct.pack("<f", sign * (0.2 + 1e-5 * number)))[0]
         message = bytes(Cdr().header(time.time(), "").numbers("d", speed, *[0.0] * 5).data)
         sent_s[speed] = time.monotonic()
         publisher.publish(message)
