@@ -186,6 +186,7 @@ static void clock_fault(client *c, uint32_t now_us) {
     c->private_link.heard_us = heard_us;
     c->private_drive.sent_us -= SECOND;     /* a stop sequence goes on at once, by count */
     c->private_schedule.probe_us -= SECOND; /* no age is known before the first answer */
+    c->private_outputs.relocalize_us -= POSE_TAKEN_US; /* perhaps longer ago: it is late */
     roburoc4_requests_rebase(&c->private_requests, now_us);
     c->private_discovery.doubted = 0; /* copies of its answer are no longer waited for */
     roburoc4_link_rebase(&c->private_link, now_us);

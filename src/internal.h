@@ -176,6 +176,9 @@ void roburoc4_requests_rebase(requests *r, uint32_t now_us);
 
 /* ---- link ---- */
 
+/* A pose that the robot accepts later than this is an old one, unless it has been at rest. */
+#define POSE_TAKEN_US (250 * MS)
+
 typedef enum verdict { VERDICT_NEW, VERDICT_OLD, VERDICT_REBOOT } verdict;
 
 /** Expect statuses anew (of a lost robot); what was learned of times holds if it is still the same.

@@ -11,10 +11,9 @@
 /* Given up after 2.5 s (at the default first_retry_ms); a probe asks again later. */
 #define REQUEST_TRIES 5
 #define FIRST_STATUS_SERVICE ROBUROC4_SERVICE_IOCARD
-/* A pose that could not be sent within this time is sent only if the robot has been at rest. */
+/* A pose that could not be sent within this time is sent only if the robot has been at rest; the
+ * same holds of one that is accepted after POSE_TAKEN_US. */
 #define POSE_US (50 * MS)
-/* The same of one that the robot accepts later than this. */
-#define POSE_TAKEN_US (250 * MS)
 /* A robot below these speeds, in m/s and rad/s, is at rest for a new pose; older statuses do not
  * show that it still is. */
 #define POSE_FRESH_MS 150

@@ -424,6 +424,24 @@ TEST(Relocalize, ThatIsTakenLateFailsUnlessTheRobotHasRested) {
     }
 }
 
+/** How long ago it was given is not known then. */
+TEST(Relocalize, ThatWaitsWhenThisClockGoesBackIsSentOnlyAtRest) {
+    for (const float speed : {0.5F, 0.0F}) {
+        SCOPED_TRACE(speed);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        bench.driving(speed, 0, 200 * ms);
+        ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+        bench.now_us += 600 * ms; /* nobody polls */
+        bench.skew_us -= static_cast<std::int64_t>(100 * second);
+        bench.run(2 * second);
+        EXPECT_EQ(0U, robot.seen(ROBUROC4_ACTION_REPLACE).size());
+        EXPECT_EQ(speed > 0 ? ROBUROC4_ERR_MOVING : ROBUROC4_ERR_TIMEOUT,
+                  bench.facts().relocalize_result);
+    }
+}
+
 TEST(Relocalize, IsAnsweredWithAnEvent) {
     ScriptedRobot robot;
     Bench bench(robot);
