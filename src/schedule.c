@@ -350,14 +350,24 @@ static bool believe(client *c) {
     return true;
 }
 
+/** The next request to send. It may begin fixed-id mode, in which other texts are believed. */
+static slot *next_request(client *c, slot **given_up) {
+    requests *r = &c->private_requests;
+    const bool fixed_id = in_fixed_id_mode(r);
+    slot *s = roburoc4_requests_due(r, c->private_config.first_retry_ms,
+                                    c->private_link.round_trip_min_us, &c->private_timer, given_up);
+    if (fixed_id != in_fixed_id_mode(r)) {
+        forget_override(c);
+    }
+    return s;
+}
+
 roburoc4_result roburoc4_schedule_poll(client *c, uint8_t *buffer, size_t capacity) {
     bool more = true;
     while (more) {
         slot *given_up;
         advance(c);
-        slot *s =
-            roburoc4_requests_due(&c->private_requests, c->private_config.first_retry_ms,
-                                  c->private_link.round_trip_min_us, &c->private_timer, &given_up);
+        slot *s = next_request(c, &given_up);
         if (s != NULL) {
             if (may_send(c, s)) {
                 if (s->tries > 1) {

@@ -175,6 +175,38 @@ TEST(ErrorHeader, OneDuplicatedRefusalNeverGivesAWrongOverride) {
         }
 }
 
+/** A bad link looks like such a robot: it begins without an answer, at a request's third try. */
+TEST(FixedId, FromItsBeginningOnTheOverrideIsKnownOnlyWithItsInput) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    int manual_ids = 0;
+    robot.channel_text = [](std::uint32_t, std::uint32_t index) {
+        return index == 11 ? "Game pad A" : "spare";
+    };
+    robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
+        return r.action == ROBUROC4_ACTION_GET && r.service == 3;
+    };
+    bench.drop_to_client = [&](const Bytes &answer) {
+        if (answer[0] == ROBUROC4_HEADER_STATUS || manual_ids == 0)
+            return answer[0] == ROBUROC4_HEADER_MANUAL && ++manual_ids == 1;
+        return answer[0] != ROBUROC4_HEADER_MANUAL;
+    };
+    bench.drop_to_robot = [&bench](const Bytes &request) {
+        return bench.state() != ROBUROC4_STATE_CONNECTING && request.size() == 4 &&
+               request[2] == 0 && request[0] != ROBUROC4_HEADER_MANUAL;
+    };
+    bench.start();
+    ASSERT_TRUE(bench.run_until([&] { return bench.facts().override_known == 1; }));
+    const auto consistent = [&bench] {
+        return bench.facts().override_known == 0 ||
+               roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE) >= 0;
+    };
+    ASSERT_TRUE(bench.run_until([&] { return !consistent() || bench.facts().fixed_id == 1; },
+                                120 * second));
+    EXPECT_TRUE(consistent());
+    EXPECT_EQ(1, bench.facts().fixed_id);
+}
+
 TEST(FixedId, TheOverrideIsKnownWithinTenSeconds) {
     for (const std::uint64_t round_trip_us : {1 * ms, 20 * ms, 100 * ms}) {
         ScriptedRobot robot;
