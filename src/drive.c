@@ -25,10 +25,9 @@
 #define SPEED_BITS 20
 #define WHEEL_BITS 24
 #define FIXED(value) ((int32_t)((value) * (INT32_C(1) << SPEED_BITS)))
-/* How far reported targets may be from sent ones, due to rounding by the robot. */
+/* How far reported targets may be from sent ones, due to rounding by the robot. A target that
+ * differs by more from what was reported must appear in statuses. */
 #define TARGET_TOLERANCE FIXED(0.02F)
-/* A target that differs by more must appear among the reported ones. */
-#define NEW_TARGET FIXED(0.025F)
 /* Far above any robot's speed, and low enough that products stay finite. */
 #define ANY_SPEED 1000.0F
 /* Widths outside of these are ignored. */
@@ -285,7 +284,7 @@ static void age_envelope(drive *d, uint32_t window_us, uint32_t now_us) {
  * since counts, because statuses miss some of them. */
 static void expect_echo(drive *d, const float *speeds, uint32_t now_us) {
     for (uint32_t axis = 0; axis < AXES && !d->echo_due; axis++) {
-        if (!near(speeds[axis], d->echoed[axis], d->echoed[axis], NEW_TARGET)) {
+        if (!near(speeds[axis], d->echoed[axis], d->echoed[axis], TARGET_TOLERANCE)) {
             d->echo_due = 1;
             d->echo_us = now_us;
             memcpy(d->echo_low, speeds, sizeof d->echo_low);

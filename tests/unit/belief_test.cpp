@@ -424,6 +424,22 @@ TEST(Uplink, ThatIsDeadDisarmsWithinHalfASecond) {
     EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0.5F, 0, 550 * ms));
 }
 
+TEST(Uplink, IsWatchedByEveryTargetThatDiffersFromTheReportedOne) {
+    for (const float angular : {0.0201F, 0.0244F, -0.0249F}) {
+        SCOPED_TRACE(angular);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        robot.follows = false;
+        EXPECT_GT(0, bench.drive_until_refused(0, angular, 550 * ms));
+    }
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    robot.follows = false;
+    EXPECT_EQ(ROBUROC4_OK, bench.drive_until_refused(0, 0.0199F, 2 * second)) << "rounding";
+}
+
 TEST(Uplink, OfALeaseThatEndedSaysNothingOfTheNext) {
     ScriptedRobot robot;
     Bench bench(robot);
