@@ -74,6 +74,9 @@ void roburoc4_link_restart(roburoc4_private_link *l, const roburoc4_config *conf
     l->answered = 0;
     l->round_trip_us = 0;
     l->round_trip_min_us = 0;
+    if (l->floor_age_us == AGE_UNKNOWN) {
+        l->mapped = 0; /* nothing tells which time the same robot would show */
+    }
 }
 
 /** From the robot's stamp to arrival. The clocks differ, so only differences of it mean something.

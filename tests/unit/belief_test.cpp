@@ -539,6 +539,58 @@ TEST(Restart, IsAssumedOfARobotThatWasLostBeforeItsFirstStatus) {
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }
 
+/** What was overheard before the subscriptions dates nothing: no request proved its age. */
+TEST(Restart, IsAssumedOfARobotThatWasLostBeforeAStatusThatCounted) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    const auto subscriptions = robot.subscriptions; /* some robots keep them */
+    robot.reboot();
+    robot.subscriptions = subscriptions;
+    const auto lost = [&bench](const Bytes &bytes) {
+        return bench.state() == ROBUROC4_STATE_READY && is_status(bytes);
+    };
+    bench.delay_to_client = [] { return 5 * ms; };
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_SUBSCRIBING));
+    bench.drop_to_client = lost;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    bench.run(20 * ms);
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    const std::uint64_t cycles = robot.cycles();
+    robot.reboot();
+    robot.set_cycles(cycles + 80);
+    robot.channel_text = [](std::uint32_t, std::uint32_t index) {
+        return index == 20 ? "Game pad A" : "spare";
+    };
+    robot.powered = true;
+    bench.drop_to_client = nullptr;
+    bench.run(10 * second);
+    EXPECT_EQ(20, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
+TEST(Restart, IsNotReportedOfTheSameRobotWhoseQueueEmpties) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    std::uint64_t delay_us = 0;
+    bench.delay_to_client = [&delay_us] { return delay_us; };
+    for (const std::uint64_t step_us : {1 * ms, 10 * ms, 40 * ms}) {
+        for (; delay_us < 4 * second; delay_us += step_us)
+            bench.run(50 * ms);
+        bench.run(20 * second);
+        for (; delay_us > step_us; delay_us -= step_us)
+            bench.run(50 * ms);
+        bench.run(20 * second);
+        for (int i = 0; i < 600; i++) /* nobody receives */
+            robot.advance(bench.now_us += 10 * ms);
+    }
+    bench.run(2 * second);
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS));
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
 TEST(Restart, IsNotReportedForEverWhereStampsAreOfTheMeasurement) {
     MeasuringRobot robot;
     Bench bench(robot);
