@@ -29,6 +29,10 @@ bool near(Speeds a, Speeds b) {
     return std::fabs(a.v - b.v) <= same_target && std::fabs(a.w - b.w) <= same_target;
 }
 
+bool searching(const Report &report) {
+    return report.state == ROBUROC4_STATE_CONNECTING || report.state == ROBUROC4_STATE_DISCOVERING;
+}
+
 /* "About two seconds", and longer for small targets; UINT64_MAX where it need not be noticed. */
 std::uint64_t follow_us(float size) {
     return size >= 0.2F ? 7000000 : size >= 0.05F ? 10000000 : UINT64_MAX;
@@ -45,8 +49,9 @@ void Oracle::received(Moment now, const Datagram &datagram, std::int32_t result)
         watch_restart(now, datagram);
     const bool text =
         origin.kind == Origin::Kind::input_text || origin.kind == Origin::Kind::input_refusal;
-    /* where all answers have one id, it is seen, too, what the one before was mistaken for */
-    const bool doubted = text && robot_.literal_ids && result == ROBUROC4_ERR_UNMATCHED;
+    /* where answers do not name their request, it is seen, too, what one before was taken for */
+    const bool nameless = robot_.literal_ids || datagram.bytes[0] == ROBUROC4_HEADER_ERROR;
+    const bool doubted = text && nameless && result == ROBUROC4_ERR_UNMATCHED;
     if (doubted)
         reach(Reached::doubled_literal_text);
     if (!is_status(datagram))
@@ -180,7 +185,7 @@ void Oracle::watch_target(Moment now, const Datagram &datagram) {
 void Oracle::watch_other_commander(Moment now, const Datagram &datagram) {
     /* until a stop is confirmed, and for a while after, any that was sent may come back */
     const std::uint64_t longest = 6 * milliseconds(config_.robot_watchdog_ms);
-    const bool all = now.true_us - last_unconfirmed_us_ <= longest;
+    const bool all = report_.stopping || now.true_us - last_unconfirmed_us_ <= longest;
     Speeds low, high; /* each axis by itself */
     for (const Sent &sent : sent_) {
         if (!all && now.true_us - sent.true_us > longest)
@@ -373,6 +378,9 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
     judge_ages(now, report);
     judge_outcome(now, before);
     judge_pose(now, report);
+    /* closed before a robot was found again: no service is known that zeros could go to */
+    if (report.state == ROBUROC4_STATE_IDLE && searching(before))
+        stop_.active = speed_out_ = false;
     if (!drained)
         return;
     if (report.state != before.state && report.state != ROBUROC4_STATE_READY)
@@ -566,10 +574,8 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
             violate(Promise::zeros_first, now.true_us, "driving has ended, and no zero has left");
         return;
     }
-    const bool searching =
-        report.state == ROBUROC4_STATE_CONNECTING || report.state == ROBUROC4_STATE_DISCOVERING;
     if (!report.stopping) {
-        if (searching) /* what it drove is gone, or another one now */
+        if (searching(report)) /* what it drove is gone, or another one now */
             speed_out_ = false;
         else if (speed_out_ || report.differential_known)
             end_stop(now, Promise::zeros_repeated);
@@ -577,7 +583,7 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
         return;
     }
     if (!report.differential_known &&
-        (searching || !speed_out_ ||
+        (searching(report) || !speed_out_ ||
          stop_may_end(now))) { /* stop() is latched until the service is known */
         stop_.again_us = stop_.last_zero_us = now.true_us;
         return;
