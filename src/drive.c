@@ -430,13 +430,17 @@ static bool has_driven(const drive *d) {
     return driven;
 }
 
-/** While driving, what is sent must appear among the reported targets. */
+static bool both_near(const float *values, const float *low, const float *high) {
+    return near(values[LINEAR], low[LINEAR], high[LINEAR], TARGET_TOLERANCE) &&
+           near(values[ANGULAR], low[ANGULAR], high[ANGULAR], TARGET_TOLERANCE);
+}
+
+/** While driving, what is sent must appear among the reported targets. The one that was reported
+ * before shows nothing, unless it is sent again. */
 static void watch_echo(drive *d, const roburoc4_config *config, const float *reported, bool ours,
                        uint32_t now_us, uint32_t *events) {
-    const bool echoed =
-        near(reported[LINEAR], d->echo_low[LINEAR], d->echo_high[LINEAR], TARGET_TOLERANCE) &&
-        near(reported[ANGULAR], d->echo_low[ANGULAR], d->echo_high[ANGULAR], TARGET_TOLERANCE);
-    if (echoed) {
+    if (d->echo_due && both_near(reported, d->echo_low, d->echo_high) &&
+        (both_near(reported, d->sent, d->sent) || !both_near(reported, d->echoed, d->echoed))) {
         d->echo_due = 0;
     }
     const uint32_t limit_us = uplink_limit_us(config);

@@ -440,6 +440,19 @@ TEST(Uplink, IsWatchedByEveryTargetThatDiffersFromTheReportedOne) {
     EXPECT_EQ(ROBUROC4_OK, bench.drive_until_refused(0, 0.0199F, 2 * second)) << "rounding";
 }
 
+TEST(Uplink, IsWatchedWhileTargetsSwingAroundTheReportedOne) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.3F, 0.3F, second));
+    robot.follows = false;
+    for (int i = 0; i < 12 && bench.facts().armed == 1; i++) {
+        bench.drive(i % 2 == 0 ? 0.1F : 0.5F, i % 2 == 0 ? 0.5F : 0.1F);
+        bench.run(50 * ms);
+    }
+    EXPECT_EQ(0, bench.facts().armed);
+}
+
 TEST(Uplink, OfALeaseThatEndedSaysNothingOfTheNext) {
     ScriptedRobot robot;
     Bench bench(robot);
