@@ -599,10 +599,13 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
         report.state != ROBUROC4_STATE_SUBSCRIBING)
         violate(Promise::stop_ends, now.true_us,
                 "the stop sequence lasts " + ms_text(now.true_us - stop_.due_us));
-    /* where all answers have one id, or take long, ages are known late */
-    const bool calm = !robot_.literal_ids && !robot_.slow_texts && calm_us_ < now.true_us &&
-                      now.true_us - calm_us_ > 5000000;
-    if (calm && stop_.sure_us != 0 && now.true_us - stop_.sure_us > period + slack_us)
+    /* where all answers have one id, or take long, ages are known late; while closing, nothing
+     * asks, so those that a step of the clock made unknown stay so */
+    const bool calm =
+        !robot_.literal_ids && !robot_.slow_texts && calm_us_ < now.true_us &&
+        now.true_us - calm_us_ > 5000000 &&
+        (report.state != ROBUROC4_STATE_CLOSING || report.age_us[differential] != UINT32_MAX);
+    if (calm && stop_.sure_us > stop_.again_us && now.true_us - stop_.sure_us > period + slack_us)
         violate(robot_.rounds ? Promise::rounding_is_not_motion : Promise::stop_ends, now.true_us,
                 "a status has confirmed the stop, but the sequence continues");
 }
