@@ -107,12 +107,6 @@ static inline uint32_t bits_from_f32(float value) {
     return bits;
 }
 
-static inline double f64_from_bits(uint64_t bits) {
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
 static inline uint64_t bits_from_f64(double value) {
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);
