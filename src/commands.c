@@ -17,8 +17,11 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
     if (!started(c)) {
         return ROBUROC4_ERR_NOT_READY;
     }
-    /* a refused call makes nothing due: programs may try again and again */
+    /* a refused call makes nothing due, as programs may try again and again, unless it disarms */
     roburoc4_lifecycle_see_time(c, now_us);
+    if (c->private_drive.armed) {
+        wake(c);
+    }
     roburoc4_conditions_tick(c);
     const roburoc4_result refusal = roburoc4_conditions_refusal(c, now_us);
     if (refusal >= 0) {
