@@ -485,6 +485,22 @@ TEST(Uplink, ThatLosesAFifthDisarmsNobody) {
 
 /* ---- restarts ---- */
 
+namespace {
+
+/** Another input is the game pad's [A] now. */
+void move_pad_a(ScriptedRobot &robot) {
+    robot.channel_text = [](std::uint32_t, std::uint32_t index) {
+        return index == 20 ? "Game pad A" : "spare";
+    };
+}
+
+void expect_moved_pad_a(Bench &bench) {
+    EXPECT_EQ(20, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
+} // namespace
+
 TEST(Restart, InAnOutageIsNoticedWhateverItsClockShows) {
     for (const std::uint64_t up_s : {1U, 20U, 60U, 3600U, 1000000U}) {
         SCOPED_TRACE(up_s);
@@ -542,14 +558,11 @@ TEST(Restart, IsAssumedOfARobotThatWasLostBeforeItsFirstStatus) {
     robot.powered = false;
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
     robot.reboot();
-    robot.channel_text = [](std::uint32_t, std::uint32_t index) {
-        return index == 20 ? "Game pad A" : "spare";
-    };
+    move_pad_a(robot);
     robot.powered = true;
     mute(false);
     bench.run(10 * second);
-    EXPECT_EQ(20, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
-    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    expect_moved_pad_a(bench);
 }
 
 /** What was overheard before the subscriptions dates nothing: no request proved its age. */
@@ -573,14 +586,11 @@ TEST(Restart, IsAssumedOfARobotThatWasLostBeforeAStatusThatCounted) {
     const std::uint64_t cycles = robot.cycles();
     robot.reboot();
     robot.set_cycles(cycles + 80);
-    robot.channel_text = [](std::uint32_t, std::uint32_t index) {
-        return index == 20 ? "Game pad A" : "spare";
-    };
+    move_pad_a(robot);
     robot.powered = true;
     bench.drop_to_client = nullptr;
     bench.run(10 * second);
-    EXPECT_EQ(20, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
-    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    expect_moved_pad_a(bench);
 }
 
 TEST(Restart, IsNotReportedOfTheSameRobotWhoseQueueEmpties) {
