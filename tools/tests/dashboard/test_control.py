@@ -149,6 +149,24 @@ def test_a_page_that_leaves_unarmed_takes_the_robot_from_nobody(scene: Scene) ->
     assert scene.sim.state.speed_commands == 0
 
 
+def test_letting_go_of_a_disarmed_robot_commands_nothing(scene: Scene) -> None:
+    scene.arm()
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.set("estop_remote", True)
+    for _ in range(40):
+        scene.sim.step(0.05)
+        if scene.robot.facts.armed:
+            scene.drive(0, scene.show(), 0.5)
+    assert scene.robot.facts.disarm_cause is roburoc4.Result.INHIBITED
+    scene.sim.set("estop_remote", False)
+    scene.sim.set("motor_button", True)
+    scene.sim.step(2.0)
+    sent = scene.sim.state.speed_commands
+    scene.drive(0, scene.show(), 0.0)
+    scene.sim.step(1.0)
+    assert scene.sim.state.speed_commands == sent
+
+
 def test_an_idle_driver_is_relieved_only_while_the_robot_stands(scene: Scene) -> None:
     scene.arm()
     driver, other = scene.pages

@@ -10,6 +10,8 @@ from playwright.sync_api import Page, expect
 from state_table import CALM, MOVES, STATES, Frame, conflict, merged
 from station import Station, arm, hold_pad, press_arm, ready, until
 
+import roburoc4
+
 Visit = Callable[..., Page]
 Make = Callable[..., Station]
 
@@ -133,6 +135,7 @@ def test_what_is_past_is_not_a_state(station: Make, visit: Visit) -> None:
     here.wait_until_inhibited(page)
     page.evaluate("hold(0, 0)")
     expect(page.locator("#banner-text")).to_contain_text("The robot did not follow its commands")
+    until(lambda: here.robot.facts.stop_outcome is roburoc4.StopOutcome.CONFIRMED)
     here.sim.set("estop_remote", False)
     here.sim.set("motor_button", True)
     expect(page.locator("#banner-title")).to_have_text("DISARMED")

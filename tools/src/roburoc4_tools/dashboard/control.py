@@ -195,7 +195,7 @@ class Control:
         self.check_driver(page)
         if self._lease_left_s(page, tick, now_s) is None:
             raise ControlError("the page is late: its link is slow or stalled; try again")
-        if self._lease_end_s is not None:
+        if self._lease_end_s is not None and self._robot.facts.armed:
             self._robot.pause()
         self._begin_anew("")
         try:
@@ -276,12 +276,13 @@ class Control:
 
     def _let_go(self) -> None:
         facts = self._robot.facts
-        if self.must_let_go and facts.armed:
-            self.why = ""
+        if facts.armed:  # else the client stopped it, and zeros now would be another command
+            if self.must_let_go:
+                self.why = ""
+            if self._lease_end_s is not None or facts.lapsed:
+                self._robot.pause()
         self.must_let_go = False
-        if self._lease_end_s is not None or (facts.armed and facts.lapsed):
-            self._lease_end_s = None
-            self._robot.pause()
+        self._lease_end_s = None
 
     def _command(self, inputs: Input, end_s: float) -> None:
         """Drive until this time, and no longer even if this process is delayed right here."""
