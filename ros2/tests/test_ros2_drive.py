@@ -16,8 +16,10 @@ from robot_support import until
 import roburoc4
 from roburoc4 import Simulator
 from roburoc4_ros2.commands import Commands, DriveConfig
+from roburoc4_ros2.config import robot_config
 from roburoc4_ros2.listener import Listener
 from roburoc4_ros2.participant import Participant
+from roburoc4_ros2.services import Services
 from roburoc4_tools.ros.cdr import Cdr
 from roburoc4_tools.ros.published import CMD_VEL, Profile
 
@@ -27,6 +29,7 @@ STREAM = """
 import sys, time
 from roburoc4_tools.ros.cdr import Cdr
 from roburoc4_ros2.participant import Participant
+from roburoc4_ros2.services import Services
 from roburoc4_tools.ros.published import Profile
 with_stamp = sys.argv[3] == "stamped"
 participant = Participant(int(sys.argv[1]), interface="lo")
@@ -216,5 +219,30 @@ def test_an_unforeseen_error_stops_the_robot_and_reading_goes_on(
         until(lambda: len(looks) > 2)
         assert "RuntimeError('odd')" in notes[0]
         assert not robot.facts.armed
+        ended.set()
+        thread.join()
+
+
+def test_an_unforeseen_error_does_not_end_the_services(
+    domain: int, served: Simulator, others: Participant, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ended, notes, looks = threading.Event(), list[str](), list[float]()
+    node = others.node("/", "x")
+    with roburoc4.connect(served.address) as robot:
+        commands = Commands(robot, DriveConfig(), notes.append)
+        listener = Listener(others, node, commands, [], notes.append)
+        config = robot_config("", {"address": served.address})
+        services = Services(others, node, config, listener, notes.append)
+
+        def look() -> None:
+            looks.append(time.monotonic())
+            if len(looks) == 1:
+                raise RuntimeError("odd")
+
+        monkeypatch.setattr(services, "_look_at_clients", look)
+        thread = threading.Thread(target=services.run, args=(ended,))
+        thread.start()
+        until(lambda: len(looks) > 2)
+        assert "RuntimeError('odd')" in notes[0]
         ended.set()
         thread.join()

@@ -159,20 +159,19 @@ class Commands:
         self._obeyed_s = -math.inf
         self._watch_until_s = -math.inf
         self._told_lost_s = -math.inf
-        self.state = self._look()
-        """For other threads, as of the last :meth:`look`."""
 
     def look(self, waited_s: float = 0.0) -> None:
-        """Do what :meth:`Gate.look` does, and renew the state."""
+        """Do what :meth:`Gate.look` does, and watch a stop."""
         if step_s := self._gate.look(waited_s):
             self._report(
                 f"this machine's clock was set by {step_s:.3f} s: all publishers must pause for "
                 "500 ms"
             )
         self._watch_stop()
-        self.state = self._look()
 
-    def _look(self) -> DriveState:
+    @property
+    def state(self) -> DriveState:
+        """Who is in control, and why commands are rejected."""
         owner = self._gate.owner
         return DriveState(
             self._config.enabled,
@@ -299,8 +298,11 @@ class Commands:
 
     def _watch_stop(self) -> None:
         """Report a stop that another commander, or the game pad, undoes."""
-        facts, now_s = self._robot.facts, self._robot.now_s
-        if now_s > self._watch_until_s or facts.stopping:
+        now_s = self._robot.now_s
+        if now_s > self._watch_until_s:
+            return
+        facts = self._robot.facts
+        if facts.stopping:
             return
         if math.isinf(self._watch_until_s):  # it has just ended
             self._watch_until_s = now_s + _UNDONE_S

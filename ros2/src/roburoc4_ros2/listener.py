@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The subscriptions of one robot: cmd_vel and stop, read by a thread of their own."""
 
-import queue
 import threading
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future
 from typing import Any, TypeVar
 
 from cyclonedds.core import (
@@ -27,7 +25,6 @@ from .senders import Senders
 _WAIT_S = 0.02
 """Short, so that a hang of this program is noticed: see Gate.look."""
 _RETRY_S = 1.0
-_CALL_S = 2.0
 _T = TypeVar("_T")
 _STOP = "std_msgs/Empty"
 _NEWS = ViewState.Any | InstanceState.Any | SampleState.NotRead
@@ -51,7 +48,7 @@ class Listener:
         self._senders = Senders(participant)
         self._stops = [node.reader(*one) for one in topics if one.kind == _STOP]
         self._cmd_vel = [node.reader(*one) for one in topics if one.kind != _STOP]
-        self._calls: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._lock = threading.Lock()
         self._waitset = WaitSet(participant.dds)
         self._conditions = [
             ReadCondition(reader, _NEWS) for reader in (*self._stops, *self._cmd_vel)
@@ -74,28 +71,35 @@ class Listener:
             self.commands.end()
 
     def call(self, act: Callable[[Commands], _T]) -> _T:
-        """Let the thread that reads commands do this, too; TimeoutError if it hangs."""
-        done: Future[_T] = Future()
-        self._calls.put(lambda: done.set_result(act(self.commands)))
-        return done.result(_CALL_S)
+        """Do something with the commands, while the thread that reads them does nothing."""
+        with self._lock:
+            return act(self.commands)
 
     def _turn(self) -> None:
-        self.commands.look()
-        self._waitset.wait(round(_WAIT_S * 1e9))
-        self.commands.look(_WAIT_S)
-        while not self._calls.empty():
-            self._calls.get()()
+        has_news = self._waitset.wait(round(_WAIT_S * 1e9)) > 0
+        self.call(lambda commands: commands.look(_WAIT_S))
+        if has_news:
+            self._read()
+            self.call(Commands.look)
+
+    def _read(self) -> None:
         for reader in self._stops:  # first
             for sample in _taken(reader):
-                self.commands.stop(self._sender(reader, sample))
+                sender = self._sender(reader, sample)
+                with self._lock:
+                    self.commands.stop(sender)
         for reader in self._cmd_vel:
             for sample in _taken(reader):
                 sender = self._sender(reader, sample)
-                if sample is None:
-                    self.commands.unreadable(sender)
-                else:
-                    sent_us = sample.sample_info.source_timestamp // 1000
-                    self.commands.drive(sender, sample, sent_us or time.time_ns() // 1000)
+                with self._lock:
+                    self._obey(sender, sample)
+
+    def _obey(self, sender: Sender, sample: Any) -> None:
+        if sample is None:
+            self.commands.unreadable(sender)
+        else:
+            sent_us = sample.sample_info.source_timestamp // 1000
+            self.commands.drive(sender, sample, sent_us or time.time_ns() // 1000)
 
     def _sender(self, reader: DataReader[Any], sample: Any) -> Sender:
         if sample is None:

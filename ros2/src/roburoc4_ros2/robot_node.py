@@ -108,7 +108,8 @@ class RobotNode:
             name = f"{self.config.namespace}/{self.config.node_name}".lstrip("/")
             found = diagnoses(self.robot, name)
             self._neighbours.look()
-            found.append(self.commands.state.diagnosis(name))
+            state = self.listener.call(lambda commands: commands.state)
+            found.append(state.diagnosis(name))
             found.append(_other_nodes(name, self._neighbours.problems))
             self._publish("diagnostics", diagnostics(time.time(), self.robot.address, found))
 

@@ -61,7 +61,7 @@ class Services:
         listener: Listener,
         report: Callable[[str], None],
     ) -> None:
-        """Offer the services; they are called by the listener's thread where they command."""
+        """Offer the services; those that command take turns with the listener."""
         self._senders = Senders(participant)
         self._report = report
         self._services: list[_Service] = []
@@ -103,14 +103,15 @@ class Services:
         """Serve until the end."""
         while not ended.is_set():
             try:
-                self._waitset.wait(round(_WAIT_S * 1e9))
+                has_news = self._waitset.wait(round(_WAIT_S * 1e9)) > 0
                 self._look_at_clients()
-                for service in self._services:
+                for service in self._services if has_news else ():
                     for request in service.reader.take(_MANY):
                         if isinstance(request, Raw):  # else a client has left
                             self._answer(service, request)
-            except DDSException as error:
-                self._report(f"services cannot be read ({error.msg}): trying again")
+            except Exception as error:  # an unforeseen one, too: `stop` must be served again
+                why = error.msg if isinstance(error, DDSException) else repr(error)
+                self._report(f"services cannot be read ({why}): trying again")
                 ended.wait(_WAIT_S)
 
     def _look_at_clients(self) -> None:
@@ -138,8 +139,6 @@ class Services:
         except (ValueError, UnicodeDecodeError):
             self._report(f"a request of {sender.text} cannot be read: is its type of this ROS 2?")
             return
-        except TimeoutError:
-            return  # the listener reports why it hangs
         self._wait_for_client(service, request)
         service.answers.publish(bytes(answer.data))
 

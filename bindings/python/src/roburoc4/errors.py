@@ -3,7 +3,7 @@
 
 import math
 from inspect import iscoroutinefunction
-from typing import Any, SupportsFloat
+from typing import Any
 
 from . import _native
 from .constants import Result
@@ -97,10 +97,8 @@ def unusable(name: str, value: object, usable: str, code: int = Result.ARGUMENT)
 
 def is_within(low: float, value: object, high: float) -> bool:
     """Whether the value is a number in this range; a text is none, and NaN is in no range."""
-    if not isinstance(value, SupportsFloat) or _is_array(value):
-        return False
     number: Any = value
-    return bool(low <= number <= high)
+    return hasattr(value, "__float__") and not _is_array(value) and bool(low <= number <= high)
 
 
 def _is_array(value: object) -> bool:

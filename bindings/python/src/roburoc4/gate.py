@@ -117,11 +117,10 @@ class Gate:
             _native.gate_was_stalled(self._gate, since_us, now[0])
         return _native.gate_look_at_clock(self._gate, now) / 1e6
 
-    def _heed_events(self) -> bool:
-        """Wait for a pause if driving ended; return whether the gate is waiting."""
+    def _heed_events(self) -> None:
+        """Wait for a pause if driving ended."""
         with contextlib.suppress(ClosedError):
             _native.gate_heed_events(self._gate, self._client, self._events.take_events())
-        return self.is_waiting
 
     def drive(self, command: DriveCommand) -> Rejection | None:
         """Obey a command that has just arrived, or return why it is rejected."""
@@ -143,7 +142,8 @@ class Gate:
                 self._gate, self._client, linear_m_s, angular_rad_s, lease_us
             )
             # The robot's thread may have ended driving since it was checked: no arming then.
-            if self._heed_events() and any(speeds):
+            self._heed_events()
+            if self.is_waiting and any(speeds):
                 self._robot.stop()
                 verdict = Verdict.DISARMED
         return self._rejection(verdict, command.sender, command.stamp_us)

@@ -36,6 +36,7 @@ _WARNING = (
     | Event.CLOCK
     | Event.CAPACITY
 )
+_LOGGED = int(_INFO | _WARNING)
 
 
 @functools.cache
@@ -65,8 +66,9 @@ class Log:
         """Log what happened since the last call."""
         with contextlib.suppress(ClosedError):
             events = _native.roburoc4_pump_take_events(self._handle, self._reader)
-            for event in Event(events & (_INFO | _WARNING)):
-                self._log(event)
+            if found := events & _LOGGED:
+                for event in Event(found):
+                    self._log(event)
 
     def end(self) -> None:
         """Log the remaining events, and the end."""

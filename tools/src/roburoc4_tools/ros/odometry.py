@@ -56,9 +56,9 @@ _SIDEWAYS_M = 0.1
 
 def _covariance(x: float, y: float, yaw: float) -> tuple[float, ...]:
     """Return a matrix of 6 x 6 of standard deviations, which are independent."""
-    other = _NOT_MEASURED
-    diagonal = (x * x, y * y, other, other, other, yaw * yaw)
-    return tuple(diagonal[at // 7] if at % 7 == 0 else 0.0 for at in range(36))
+    matrix = [0.0] * 36
+    matrix[::7] = x * x, y * y, *(_NOT_MEASURED,) * 3, yaw * yaw
+    return tuple(matrix)
 
 
 _ALL_UNKNOWN = _covariance(*(math.sqrt(_NOT_MEASURED),) * 3)

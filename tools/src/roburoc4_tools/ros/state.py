@@ -14,6 +14,9 @@ from .topics import Diagnosis, yes_or_no
 
 _FINE, _WARNING, _ERROR = 0, 1, 2
 _MUCH_LOSS = 0.05
+_VERSIONS = {"roburoc4": __version__}
+with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # not for recordings
+    _VERSIONS["cyclonedds"] = importlib.metadata.version("cyclonedds")
 _UNCONFIRMED = (StopOutcome.TIMED_OUT, StopOutcome.OVERRIDDEN)
 
 
@@ -34,10 +37,7 @@ def diagnoses(robot: Robot, node: str, *, watches: bool = False) -> list[Diagnos
     For who only ``watches``, it is no fault that another commander drives.
     """
     found = [_link(robot), _driving(robot, watches=watches), _battery(robot)]
-    versions = {"roburoc4": __version__}
-    with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # not for recordings
-        versions["cyclonedds"] = importlib.metadata.version("cyclonedds")
-    found.append(Diagnosis(_FINE, "versions", __version__, versions))
+    found.append(Diagnosis(_FINE, "versions", __version__, _VERSIONS))
     return [one._replace(name=f"{node}: {one.name}") for one in found]
 
 
