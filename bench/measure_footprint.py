@@ -26,8 +26,7 @@ SMALL = ["-std=c99", "-Os", "-ffunction-sections", "-fdata-sections"]
 ABOUT = (
     "Bytes at -Os. *All of it* is every function of the library. *Linked* is a whole program with "
     "`--gc-sections`, less one that does nothing; it includes what the compiler adds for 64-bit "
-    "numbers and floats. The *firmware* receives, arms, drives and reads three statuses. *Stack* "
-    "is the deepest path of calls."
+    "numbers and floats. The *firmware* receives, arms, drives and reads three statuses."
 )
 ABOUT_PEERS = (
     "Linked programs at -Os on a Cortex-M0, less a program that does nothing: encode and decode "

@@ -7,8 +7,7 @@ import figures
 
 ABOUT = (
     "Microseconds a call from GNU Octave, by `bench/matlab`: median of 300 rounds of "
-    "20 calls, with a simulated robot on a port of this machine. *The interpreter alone* is the "
-    "same call with a MEX file that does nothing."
+    "20 calls, with a simulated robot on a port of this machine."
 )
 ROW = re.compile(r"^(\S.*?) {2,}(\d+\.\d) +(\d+\.\d)(?: +(\d+))? *$", re.MULTILINE)
 
