@@ -74,6 +74,24 @@ def test_the_stops_of_the_measured_robot_are_those_of_the_safety_page() -> None:
         assert found[f"stops from {speed:g} m/s within, m"] == pytest.approx(way_m, abs=0.05)
 
 
+def test_it_does_not_drive_while_the_way_is_not_free() -> None:
+    answers = ["no", "yes", "yes"]
+
+    class Careful(Person):
+        def __call__(self, text: str) -> str:
+            answer = super().__call__(text)
+            return answers.pop(0) if "way free" in text else answer
+
+    with Simulator(slip=SLIP) as sim:
+        sim.clear_obstacles()
+        with sim.connect(scale_linear=1.0, scale_angular=1.0) as robot:
+            robot.arm()
+            person = Careful(sim, robot)
+            ground.drive(robot, lambda: True, person)
+    assert [text for text in person.asked if "0.3 m/s" in text] == [person.asked[2]] * 2
+    assert answers == []
+
+
 def test_a_robot_that_rolls_twice_as_far_stays_off_the_ground() -> None:
     with pytest.raises(UnsafeError) as caught:
         on_the_ground(linear_omega_rad_s=1.5, linear_damping=1.5)

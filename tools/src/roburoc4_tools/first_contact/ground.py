@@ -53,7 +53,9 @@ def drive(robot: Robot, held: Callable[[], bool], ask: Callable[[str], str]) -> 
             "scales", "What the wheels count is far from what was measured: measure again."
         )
     for speed in (0.3, 0.6):
-        asked(f"It will drive 2 m and stop from {speed:g} m/s: is the way free? yes")
+        text = f"It will drive 2 m and stop from {speed:g} m/s: is the way free? yes or no"
+        while asked(text).strip().lower() not in ("yes", "y"):
+            pass
         way_m = _stop_from(robot, speed, check) / found["scale_linear"]
         found[f"stops from {speed:g} m/s within, m"] = round(way_m, 2)
         if way_m > 2 * _BRAKING_S * speed:
