@@ -108,6 +108,10 @@ class VirtualWorld(World):
         self.unplugged = False
         self.loses = 0.0
         """Which share of the datagrams that are sent to the robot is lost."""
+        self.loses_statuses = False
+        """A firewall lets answers pass, and nothing else."""
+        self.misses: dict[str, int] = {}
+        """How often nothing is done at the end of which countdown."""
         self.other_sender: tuple[float, float] | None = None
         self.asked: list[str] = []
         self.holds = True
@@ -174,7 +178,7 @@ class VirtualWorld(World):
             )
         ) > 0:
             port, data = peer.value - 1, self._buffer.raw[:size]
-            if self.unplugged:
+            if self.unplugged or (self.loses_statuses and data[:1] == b"\xff"):
                 continue
             if port in self._closed:
                 self._c.roburoc4_sim_receive(self._sim, peer, None, ctypes.c_size_t(0))
@@ -232,6 +236,8 @@ class VirtualWorld(World):
         elif key == "buttons":
             for control in _BUTTONS:
                 self._touch(control, 1, 0)
+        elif key == "missed":
+            self._set(_PAD_A, 0)
         elif key in ("cable_in", "silent"):
             self.unplugged = False
         elif key.startswith("brakes"):
@@ -260,6 +266,9 @@ class VirtualWorld(World):
 
     def countdown(self, key: str, text: str, seconds: float) -> None:
         self.asked.append(key)
+        if self.misses.get(key):
+            self.misses[key] -= 1
+            return
         at_s = seconds + self._people.uniform(-0.08, 0.08)
         if key in ("tap_pad_a", "press_pad_a"):
             self._later(at_s, _PAD_A, 1)

@@ -110,7 +110,7 @@ def _resume(contact: Contact, folder: Path, world: TerminalWorld) -> None:
 def _keep(contact: Contact, folder: Path, name: str) -> None:
     from ..first_contact import bundle
 
-    (folder / _STATE).write_text(json.dumps(contact.state()), encoding="utf-8")
+    (folder / _STATE).write_text(json.dumps(contact.state(name)), encoding="utf-8")
     if contact.session.known:
         save(folder / _FILE, contact.session.known)
     bundle.write(contact, folder, name, known_robots())

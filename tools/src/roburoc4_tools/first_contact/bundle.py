@@ -131,14 +131,15 @@ def _answers(s: Session) -> str:
     for name, value in s.known.items():
         differs = name in USUAL and not math.isclose(value, USUAL[name], abs_tol=1e-4)
         first, end = s.proof.get(name, (0, 0))
-        proof = f"{first + 1} to {end}" if end else "an earlier session"
+        proof = f"{first + 1} to {end}" if end else s.earlier.get(name, "tape measure")
         rows.append(
             f'<tr class="{"other" if differs else ""}"><td>{escape(name)}</td><td>{value:g}</td>'
             f"<td>{format(USUAL[name], 'g') if differs else ''}</td><td>{proof}</td></tr>"
         )
     return (
         "<p>Answers in bold differ from those that the manual suggests. The last column counts "
-        "the datagrams of this session's recording.</p><table><tr><th>question</th><th>answer</th>"
+        "the datagrams of this session's recording, or of the one that it names.</p>"
+        "<table><tr><th>question</th><th>answer</th>"
         f"<th>manual</th><th>datagrams</th></tr>{''.join(rows)}</table>"
     )
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from . import identify, network, watch, wheels
 from .response import Response
-from .session import ReleasedError, Session, SilentError, UnsafeError
+from .session import MissedError, ReleasedError, Session, SilentError, UnsafeError
 from .world import World
 
 
@@ -63,12 +63,16 @@ class Contact:
         self.done: list[str] = []
         self.refused: UnsafeError | None = None
 
-    def state(self) -> dict[str, Any]:
+    def state(self, recording: str = "") -> dict[str, Any]:
         """Return what resume() needs, as JSON can hold it."""
         s = self.session
+        proofs = {
+            name: f"{recording}: {first + 1} to {end}" for name, (first, end) in s.proof.items()
+        }
         return {
             "done": self.done,
             "known": s.known,
+            "proofs": s.earlier | proofs,
             "ids": s.ids,
             "fixed": s.fixed,
             "usable": s.usable,
@@ -85,6 +89,7 @@ class Contact:
         s.known, s.ids, s.fixed = dict(state["known"]), dict(state["ids"]), state["fixed"]
         s.usable, s.notes = list(state["usable"]), dict(state["notes"])
         s.watched, s.traces = list(state["watched"]), dict(state["traces"])
+        s.earlier = dict(state.get("proofs", {}))
         s.responses = {int(axis): Response(*found) for axis, found in state["responses"].items()}
 
     def rejoin(self) -> None:
@@ -115,6 +120,8 @@ class Contact:
                 step.run(s)
             except ReleasedError:
                 s.world.please("again", "The key was let go, and zeros were sent. Once more?")
+            except MissedError as missed:
+                s.please("missed", f"{missed} Once more?")
             except SilentError:
                 s.please(
                     "silent", "The robot was not heard: check its power and the cable. Once more?"

@@ -192,7 +192,7 @@ def _answers_within(s: Session, seconds: float) -> bool:
 
 
 def _is_heard(s: Session, service: str, port: int = 0, seconds: float = 1.5) -> bool:
-    return bool(s.listen(seconds, port)[service])
+    return bool(s.listen(seconds + s.lag_s(service), port)[service])
 
 
 def subscriptions(s: Session) -> None:
@@ -200,13 +200,15 @@ def subscriptions(s: Session) -> None:
     s.begin()
     refused = 0
     accepted: list[str] = []
+    silent: list[str] = []
     for service in sorted(s.ids, key=lambda name: name != "differential"):
         s.statuses.clear()
         asked_s = s.world.now_s
         answer = s.subscribe(service, 1)
         s.pump(1.5)
-        first_s = _arrivals(s, service)[:1]
-        if answer is not None and not answer.error and first_s:
+        if answer is None or answer.error:
+            refused |= 4 << wire.SERVICES.index(service)
+        elif first_s := _first_arrival(s, service):
             accepted.append(service)
             if len(accepted) == 1:
                 _keep_period(s, service)
@@ -215,19 +217,35 @@ def subscriptions(s: Session) -> None:
             if len(accepted) == 1:
                 s.learn("delete_refused", int(answer is None or bool(answer.error)))
             if not s.known["delete_refused"]:
-                s.pump(1.5)
-            _keep_queue(s, service, first_s[0] - asked_s, asked_to_end_s)
+                s.pump(1.5 + first_s - asked_s)
+            _keep_queue(s, service, first_s - asked_s, asked_to_end_s)
         else:
-            refused |= 4 << wire.SERVICES.index(service)
+            silent.append(service)
+            s.unsubscribe(service)
         if s.known.get("delete_refused"):
             restart(s)
+    if silent and not accepted:
+        raise UnsafeError(
+            "no_statuses",
+            "The robot accepts subscriptions, but no status arrives: does a firewall drop them?",
+        )
     s.learn("refused_inserts", refused)
+    for service in silent:
+        s.watched.append([f"Subscribed to {service}.", "Accepted, but no status arrived."])
     s.usable = accepted
     if accepted:
         _lists(s, accepted)
         _size(s, accepted)
         _closed_port(s, accepted[0])
         _clean(s, 2)
+
+
+def _first_arrival(s: Session, service: str) -> float | None:
+    """When its first status arrives, be it as late as the longest queue."""
+    end_s = s.world.now_s + _LONGEST_QUEUE_MS / 1000
+    while not (found := _arrivals(s, service)) and s.world.now_s < end_s:
+        s.pump(0.1)
+    return found[0] if found else None
 
 
 def _arrivals(s: Session, service: str) -> list[float]:
@@ -267,14 +285,14 @@ def _lists(s: Session, accepted: list[str]) -> None:
     service = accepted[0]
     s.subscribe(service, 25, 0)
     answer = s.subscribe(service, 50, 1)
-    s.pump(1.5)
+    s.pump(1.5 + s.lag_s(service))
     first, second = (_period_of(s.listen(4.0, port)[service]) for port in (0, 1))
     if answer is not None and not answer.error and first and second:
         s.learn("subscription_lists", 0 if abs(first - 25) < 5 else 1)
     elif answer is not None and not answer.error and second and len(accepted) > 1:
         # Did the first go because statuses go to the last one, or because there is room for one?
         s.subscribe(accepted[1], 50, 1)
-        s.pump(1.5)
+        s.pump(1.5 + s.lag_s(service))
         if _is_heard(s, service, 1):
             s.learn("subscription_lists", 2)
     _clean(s, 2)
@@ -292,7 +310,7 @@ def _size(s: Session, accepted: list[str]) -> None:
             s.learn("max_subscriptions", count)
             s.learn("full_list", 0)
             break
-        s.pump(1.0)
+        s.pump(1.0 + s.lag_s(*accepted))
         everyone = s.listen(0.6, None)
         heard = {(h.port, name) for name, hs in everyone.items() for h in hs}
         if (port, service) not in heard:
@@ -318,7 +336,7 @@ def _closed_port(s: Session, service: str) -> None:
     if not _is_heard(s, service, port):
         return
     s.world.close(port)
-    s.pump(15.0)
+    s.pump(15.0 + s.lag_s(service))
     s.world.reopen(port)
     s.learn("keep_subscriptions", int(_is_heard(s, service, port)))
     s.unsubscribe(service, port)
@@ -333,7 +351,7 @@ def lengths(s: Session) -> None:
         plain["iocard"] = 4 * int(s.known["analog_inputs"]) + blocks
     for service in s.usable:
         s.subscribe(service, 20)
-        heard = s.listen(1.5)[service]
+        heard = s.listen(1.5 + s.lag_s(service))[service]
         s.unsubscribe(service)
         if not heard:
             raise SilentError

@@ -5,7 +5,7 @@ import statistics
 from itertools import pairwise
 
 from . import wire
-from .session import CYCLE_S, Session, UnsafeError
+from .session import CYCLE_S, MissedError, Session, UnsafeError
 
 _REQUESTS = 100
 _EVERY_S = 0.05
@@ -112,16 +112,15 @@ def outage(s: Session) -> None:
     """Lose the link in mid-drive: the robot must have stopped when it comes back."""
     s.begin()
     hear_clock(s)
+    s.please("at_cable", "Take hold of the plug of the network cable: you pull it at 0.")
     if not _pulled(s):
-        s.watched.append(
-            ["The network cable was to be pulled.", "The robot was heard all the time."]
-        )
-        return
+        s.stop()
+        raise MissedError("The cable was not pulled: the robot was heard all the time.")
     while True:
         s.please("cable_in", "Plug the network cable in again, and wait for its lamp.")
         if s.request(wire.GET, wire.DIRECTORY, tries=10) is not None:
             break
-    statuses = len(s.listen(1.5)["iocard"])
+    statuses = len(s.listen(1.5 + s.lag_s("iocard"))["iocard"])
     since_s = s.world.now_s
     s.run(1.0, None)
     speed = max((abs(x.speed[0]) for x in s.sampled(since_s, None)), default=0.0)

@@ -25,6 +25,10 @@ class ReleasedError(Exception):
     """The key was let go, and the robot was stopped."""
 
 
+class MissedError(Exception):
+    """A person did not do in time what a countdown asked for; what to do before the next one."""
+
+
 class SilentError(Exception):
     """The robot was not heard at all."""
 
@@ -56,6 +60,8 @@ class Session:
         self.world = world
         self.known: dict[str, float] = {}
         self.proof: dict[str, tuple[int, int]] = {}
+        self.earlier: dict[str, str] = {}
+        """The same of earlier sessions, with the recording's name."""
         self.log: list[tuple[float, int, bool, bytes]] = []
         self.ids: dict[str, int] = {}
         self.fixed = False
@@ -202,6 +208,10 @@ class Session:
         """End them."""
         wanted = self.ids[service].to_bytes(2, "little")
         return self.request(wire.DELETE, wire.NOTIFICATION, wanted, port=port)
+
+    def lag_s(self, *services: str) -> float:
+        """How late the statuses of these services arrive."""
+        return max((self.known.get(f"queue_{name}_ms", 0.0) for name in services), default=0) / 1000
 
     def listen(self, seconds: float, port: int | None = _PORT) -> dict[str, list[wire.Status]]:
         """Return the statuses of the next seconds, by service."""

@@ -32,15 +32,16 @@ _AWAY = 0.5
 _MOST_OF_PAD = 1.05
 
 
-def _decoded(s: Session, payload: bytes) -> tuple[list[float], list[bool]]:
+def decoded(s: Session, payload: bytes) -> tuple[list[float], list[bool]]:
+    """Return the analog and the digital inputs of a status."""
     analog = min(int(s.known["analog_inputs"]), len(payload) // 4)
     values = list(struct.unpack_from(f"<{analog}f", payload))
     return values, wire.bits_of(payload[4 * analog :], int(s.known["digital_inputs"]))
 
 
 def _inputs(s: Session) -> tuple[list[float], list[bool]]:
-    heard = s.listen(1.6)["iocard"]
-    return _decoded(s, heard[-1].payload) if heard else ([], [])
+    heard = s.listen(1.6 + s.lag_s("iocard"))["iocard"]
+    return decoded(s, heard[-1].payload) if heard else ([], [])
 
 
 def changed_inputs(before: list[bool], after: list[bool]) -> str:
@@ -110,7 +111,7 @@ def _battery(s: Session, values: list[float]) -> str:
     if "battery" not in s.usable:
         return said
     s.subscribe("battery", 20)
-    heard = s.listen(1.5)["battery"]
+    heard = s.listen(1.5 + s.lag_s("battery"))["battery"]
     _end(s, "battery")
     if not heard or heard[-1].payload[0] >= len(_BATTERY_STATES):
         return said
@@ -127,9 +128,7 @@ def sticks(s: Session) -> None:
         s.please(key, text)
         s.pump(0.3)
         heard = [
-            _decoded(s, x.payload)
-            for x in s.statuses
-            if x.service == s.ids["iocard"] and not x.port
+            decoded(s, x.payload) for x in s.statuses if x.service == s.ids["iocard"] and not x.port
         ]
         s.watched.append([text, _sequence(rest, heard)])
 
@@ -190,7 +189,7 @@ def telemeters(s: Session) -> None:
 
 
 def _distances(s: Session) -> str:
-    heard = s.listen(1.6)["telemeter"]
+    heard = s.listen(1.6 + s.lag_s("telemeter"))["telemeter"]
     count = int(s.known["reported_distances"])
     if not heard:
         return "nothing"

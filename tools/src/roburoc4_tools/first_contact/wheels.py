@@ -9,8 +9,8 @@ from . import wire
 from .identify import restart
 from .network import hear_clock, keep_clock, restarted
 from .response import Response, fit, simulate
-from .session import CYCLE_S, MAX_M_S, MAX_RAD_S, Session, SilentError, UnsafeError
-from .watch import changed_inputs, digital_inputs
+from .session import CYCLE_S, MAX_M_S, MAX_RAD_S, MissedError, Session, SilentError, UnsafeError
+from .watch import changed_inputs, decoded, digital_inputs
 
 LATEST_S = 0.45
 LONGEST_WATCHDOG_S = 2.0
@@ -18,6 +18,8 @@ _DRAWN_S = 5.0
 LIFTED_BY = "stops"
 _STEADY = 150
 """For how many cycles speeds must not change."""
+_BY_HAND_S = 0.2
+"""How far from the end of a countdown a person may act."""
 _EARLIEST_S = -0.3
 """How long before a person acts the last command is sent, at most."""
 
@@ -320,8 +322,11 @@ def _target_at(samples: list[wire.Speeds], at_s: float) -> float:
 
 def pad(s: Session) -> None:
     """Hold [A] while commands are sent, and see what is obeyed when it is released."""
+    s.please("at_pad", "Take the game pad in hand: a countdown says when to press [A].")
     s.hold()
     s.begin()
+    s.statuses.clear()
+    s.subscribe("iocard", 1)
     first, second = _speed(s, 0, 0.5), _speed(s, 0, 0.25)
     shift_s = s.responses[0].dead_cycles * CYCLE_S if s.known["late_targets"] else 0.0
     s.stop()
@@ -331,11 +336,14 @@ def pad(s: Session) -> None:
     s.run(2.5, (first, 0.0))
     lead_s = _lead(s, s.sampled(zero_s - 1.0, (first, 0.0)), first, zero_s + shift_s)
     s.run(s.known["robot_watchdog_ms"] / 1000 + 1.0, (second, 0.0))
+    release_s = s.world.now_s + 1.5
     s.world.countdown("release_pad_a", "Let [A] go when the countdown reaches 0.", 1.5)
     # Before it is released; and it must be long enough before the watchdog trips.
     last_s = max(_EARLIEST_S, 0.015 - s.known["robot_watchdog_ms"] / 2000)
     s.run(1.5 + last_s - lead_s, (second, 0.0))
     samples = _silent(s, 0.7 + lead_s - last_s)
+    _expect_pad_a(s, zero_s, True)
+    _expect_pad_a(s, release_s, False)
     if any(abs(x.target[0] - second) < 1e-3 for x in samples):
         s.learn("pad_keeps_target", 1)
     elif any(abs(x.target[0] - first) < 1e-3 for x in samples):
@@ -346,7 +354,27 @@ def pad(s: Session) -> None:
         s.learn("ignored_commands_feed", 0)
     else:
         s.learn("pad_keeps_target", 0)
+    s.subscribe("iocard", 10)
     _pad_target(s)
+
+
+def _expect_pad_a(s: Session, at_s: float, pressed: bool) -> None:
+    """Ask for it again unless the inputs, which come late, may have changed at that time."""
+    s.stop()
+    s.pump(s.lag_s("iocard") + _BY_HAND_S)
+    index = int(s.known["override_index"])
+    seen_s = [
+        x.at_s
+        for x in s.statuses
+        if x.service == s.ids["iocard"] and not x.port and x.at_s > at_s - 1.0
+        if decoded(s, x.payload)[1][index] == pressed
+    ]
+    first = seen_s[0] if seen_s else math.inf
+    most_s = s.lag_s("iocard") + 2 * CYCLE_S * (s.known["min_period_cycles"] + 1)
+    if first < at_s - _BY_HAND_S or first > at_s + _BY_HAND_S + most_s:
+        s.subscribe("iocard", 10)
+        deed = "pressed" if pressed else "let go"
+        raise MissedError(f"[A] was not {deed} at 0. Let it go.")
 
 
 def _lead(s: Session, samples: list[wire.Speeds], target: float, zero_s: float) -> float:
@@ -372,11 +400,13 @@ def _comes_back(s: Session, target: float, shift_s: float, lead_s: float) -> boo
     watchdog_s = s.known["robot_watchdog_ms"] / 1000
     s.stop()
     _settle(s, (target, 0.0))
+    zero_s = s.world.now_s + 1.5
     s.world.countdown("tap_pad_a", "Tap [A] shortly when the countdown reaches 0.", 1.5)
     last_s = max(_EARLIEST_S / 2, 0.175 - watchdog_s / 2)
     s.run(1.5 + last_s - lead_s, (target, 0.0))
     samples = _silent(s, 0.55 + lead_s - last_s)
     dropped = next((k for k, x in enumerate(samples) if abs(x.target[0] - target) > 1e-3), None)
+    _expect_pad_a(s, zero_s, True)
     if dropped is None:
         return True
     tripped_s = s.commanded_s + watchdog_s + shift_s
