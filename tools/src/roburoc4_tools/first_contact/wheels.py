@@ -18,8 +18,6 @@ _DRAWN_S = 5.0
 LIFTED_BY = "stops"
 _STEADY = 150
 """For how many cycles speeds must not change."""
-_BY_HAND_S = 0.2
-"""How far from the end of a countdown a person may act."""
 _EARLIEST_S = -0.3
 """How long before a person acts the last command is sent, at most."""
 
@@ -342,8 +340,9 @@ def pad(s: Session) -> None:
     last_s = max(_EARLIEST_S, 0.015 - s.known["robot_watchdog_ms"] / 2000)
     s.run(1.5 + last_s - lead_s, (second, 0.0))
     samples = _silent(s, 0.7 + lead_s - last_s)
-    _expect_pad_a(s, zero_s, True)
-    _expect_pad_a(s, release_s, False)
+    _expect_pad_a(s, True, zero_s - 0.7, zero_s + 0.7)
+    trips_s = s.known["robot_watchdog_ms"] / 1000 + last_s
+    _expect_pad_a(s, False, release_s + last_s, release_s + trips_s)
     if any(abs(x.target[0] - second) < 1e-3 for x in samples):
         s.learn("pad_keeps_target", 1)
     elif any(abs(x.target[0] - first) < 1e-3 for x in samples):
@@ -358,20 +357,20 @@ def pad(s: Session) -> None:
     _pad_target(s)
 
 
-def _expect_pad_a(s: Session, at_s: float, pressed: bool) -> None:
-    """Ask for it again unless the inputs, which come late, may have changed at that time."""
+def _expect_pad_a(s: Session, pressed: bool, from_s: float, to_s: float) -> None:
+    """Ask for it again unless the inputs, which come late, may have changed then."""
     s.stop()
-    s.pump(s.lag_s("iocard") + _BY_HAND_S)
+    s.pump(s.lag_s("iocard") + 0.3)
     index = int(s.known["override_index"])
     seen_s = [
         x.at_s
         for x in s.statuses
-        if x.service == s.ids["iocard"] and not x.port and x.at_s > at_s - 1.0
+        if x.service == s.ids["iocard"] and not x.port and x.at_s > from_s - 0.3
         if decoded(s, x.payload)[1][index] == pressed
     ]
     first = seen_s[0] if seen_s else math.inf
     most_s = s.lag_s("iocard") + 2 * CYCLE_S * (s.known["min_period_cycles"] + 1)
-    if first < at_s - _BY_HAND_S or first > at_s + _BY_HAND_S + most_s:
+    if not from_s < first < to_s + most_s:
         s.subscribe("iocard", 10)
         deed = "pressed" if pressed else "let go"
         raise MissedError(f"[A] was not {deed} at 0. Let it go.")
@@ -406,7 +405,7 @@ def _comes_back(s: Session, target: float, shift_s: float, lead_s: float) -> boo
     s.run(1.5 + last_s - lead_s, (target, 0.0))
     samples = _silent(s, 0.55 + lead_s - last_s)
     dropped = next((k for k, x in enumerate(samples) if abs(x.target[0] - target) > 1e-3), None)
-    _expect_pad_a(s, zero_s, True)
+    _expect_pad_a(s, True, zero_s - 0.2, zero_s + 0.3)
     if dropped is None:
         return True
     tripped_s = s.commanded_s + watchdog_s + shift_s
