@@ -209,6 +209,9 @@ def test_another_place_waits_until_the_first_move_has_ended() -> None:
     second.end()
     until(lambda: not second.on)
     assert first.why == second.why == "the move was ended"
+    late = Going(robot, Goal(3.0, 0.0, 1.0), 0.5, 0.0, second)
+    until(lambda: not late.on)
+    assert late.why == "the driver's page was late"
 
 
 def test_no_timer_renews(scene: Scene) -> None:

@@ -42,6 +42,16 @@ def test_where_no_battery_was_received_is_a_gap_and_no_trend() -> None:
     assert history.trend_percent_h() == pytest.approx(-12.0, abs=0.1)
 
 
+def test_another_battery_after_a_gap_has_a_trend_of_its_own() -> None:
+    history = discharged(-12.0, 100)
+    begin_s = 1e9 + 100 * BATTERY_EVERY_S
+    history.add_battery(begin_s, math.nan, math.nan)
+    for row in range(1, 20):
+        assert (history.trend_percent_h() is None) == (1 < row <= 6), row
+        history.add_battery(begin_s + row * BATTERY_EVERY_S, 30.0, 23.0)
+    assert history.trend_percent_h() == pytest.approx(0.0, abs=0.1)
+
+
 @pytest.mark.parametrize("speed_m_s", [0.3, 1.0, 2.6])
 def test_ten_minutes_of_driving_fit_into_the_trail(speed_m_s: float) -> None:
     history = History()

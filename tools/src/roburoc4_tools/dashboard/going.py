@@ -11,6 +11,7 @@ from roburoc4.moves import STEP_S, MoveResult
 from roburoc4.robot import Robot
 
 ENDED = "the move was ended"
+_LATE = "the driver's page was late"
 
 
 class _EndedError(Exception):
@@ -75,7 +76,7 @@ class Going:
                 on_progress=self._look,
             )
         except _EndedError:
-            self.why = ENDED
+            self.why = ENDED if self._ended else _LATE
         except RobotError as error:
             self.why = str(error)
 

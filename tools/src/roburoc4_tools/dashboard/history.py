@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from array import array
 from collections import deque
@@ -134,9 +135,13 @@ class History:
             self.path.append((x_m, y_m, time_s, theta_rad))
 
     def trend_percent_h(self) -> float | None:
-        """Return the battery's trend in percent per hour; None while it is unknown."""
+        """Return the battery's trend in percent per hour; None while it is unknown.
+
+        After a gap it begins anew: the battery may be another one.
+        """
         latest = (self.battery.row(back) for back in range(min(len(self.battery), _TREND_ROWS)))
-        rows = [row for row in latest if math.isfinite(row[1])]
+        known = itertools.dropwhile(lambda row: math.isnan(row[1]), latest)
+        rows = list(itertools.takewhile(lambda row: math.isfinite(row[1]), known))
         count = len(rows)
         if count < _TREND_LEAST_ROWS:
             return None
