@@ -2,6 +2,7 @@
 """What an operator's hands and eyes expect: keys, names, places, alarms, the past."""
 
 import math
+import re
 import subprocess
 import sys
 import time
@@ -259,11 +260,15 @@ def test_a_move_is_among_the_events_with_its_end(station: Make, visit: Visit) ->
 
 def test_nothing_sounds_live_when_the_connection_is_lost(station: Make, visit: Visit) -> None:
     here, page = armed(station, visit)
+    page.keyboard.down("w")
+    expect(page.locator("kbd[data-held='true']")).to_have_text("W")
     here.stop_serving()
     expect(page.locator("#mode")).to_have_text("UNKNOWN")
+    expect(page.locator("#knob")).not_to_have_attribute("style", re.compile("translate"))
     expect(page.locator("#control")).to_have_text("Control: not known")
     expect(page.locator("#drive-why")).to_contain_text("Nothing can be driven from here")
     expect(page.locator("#asked")).to_be_empty()
+    expect(page.locator("kbd[data-held='true']")).to_have_count(0)
     open_tab(page, "link")
     expect(page.locator("#link-say")).to_contain_text("not known")
     expect(page.locator("#link-figures")).to_be_empty()
@@ -290,6 +295,17 @@ def test_nothing_can_be_answered_set_or_recorded_without_a_connection(
     expect(page.locator("#drive-why")).to_be_visible()
     expect(page.locator("#record")).to_be_disabled()
     expect(page.locator("#record-text")).to_have_text("not known")
+
+
+def test_a_refusal_ends_with_its_reason(station: Make, visit: Visit) -> None:
+    here, page = watched(station, visit)
+    take_control(page)
+    here.sim.set("pad_a", True)
+    expect(page.locator("#banner-title")).to_have_text("OVERRIDE")
+    page.locator("#arm").click()
+    expect(page.locator("#drive-why")).to_have_text(re.compile("^(?!Not ready).*release"))
+    here.sim.set("pad_a", False)
+    expect(page.locator("#drive-why")).to_contain_text("Is the way clear", timeout=4000)
 
 
 def test_an_input_that_is_not_sent_says_so(station: Make, visit: Visit) -> None:
@@ -471,7 +487,7 @@ def test_the_page_says_what_it_shows(station: Make, visit: Visit) -> None:
     expect(page.locator("#kind")).to_have_text("real")
     here.hub._frames._about |= {"recorded": True}
     page.reload()
-    expect(page.locator("#kind")).to_have_text("recording")
+    expect(page.locator("#kind")).to_have_text("replayed")
 
 
 # ---- back in time ----
@@ -504,6 +520,29 @@ def test_map_and_plots_go_back_in_time_and_stop_stays_live(station: Make, visit:
     expect(page.locator("#past")).to_be_hidden()
     expect(page.locator("#map")).not_to_have_attribute("data-past", "")
     expect(page.locator("#plot-pause")).to_have_text("pause")
+
+
+@pytest.mark.parametrize("size", [(1366, 768), (512, 384), (320, 568)])
+def test_the_slider_of_the_past_stays_where_it_is_dragged(
+    size: tuple[int, int], station: Make, visit: Visit
+) -> None:
+    here = station(enable_drive=False)
+    page = visit(here.url, viewport={"width": size[0], "height": size[1]})
+    ready(page)
+    page.locator("#map-past").click()
+    slider, text = page.locator("#past-at"), page.locator("#past-text")
+    expect(text).to_have_text("now")
+    before = slider.bounding_box()
+    slider.fill("-600")
+    expect(text).to_contain_text("nothing known")
+    assert slider.bounding_box() == before
+    here.hub._history.add_place(time.time() - 300, 1.0, 0.0, 0.0)
+    page.reload()
+    ready(page)
+    page.locator("#map-past").click()
+    slider.fill("-200")
+    expect(text).to_contain_text("ago")
+    assert slider.bounding_box() == before
 
 
 def test_the_page_keeps_ten_minutes_of_the_trail(station: Make, visit: Visit) -> None:

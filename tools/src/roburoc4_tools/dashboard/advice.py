@@ -105,12 +105,21 @@ def why_not_armed(code: int) -> str:
         return "the robot was stopped"
     if code == Result.LAPSED:
         return "inputs came too late, so the robot was stopped: arm it again"
+    if code == Result.MOVING:
+        return "the robot moves, or has a target: wait until it is at rest"
     if code == Result.OVERRIDE_UNKNOWN:
         return (
             "it is not known whether the robot's game pad is in use: run roburoc4 doctor, or start "
             "the dashboard with --allow-unknown-override"
         )
     return Result(code).text
+
+
+def why_refused(code: int) -> str:
+    """Return why it was not armed, for a while afterwards: nothing that was says what is."""
+    if code == Result.MOVING:
+        return "the robot moved, or had a target: arm it when it is at rest"
+    return why_not_armed(code)
 
 
 def blocked(facts: Facts) -> str:

@@ -17,7 +17,7 @@ from roburoc4.constants import State
 from roburoc4.errors import NotArmedError
 from roburoc4.robot import Robot
 
-from .advice import why_disarmed, why_not_armed
+from .advice import why_disarmed, why_refused
 from .going import Goal, Going
 from .ticks import Ticks
 
@@ -201,7 +201,7 @@ class Control:
         try:
             self._robot.arm(timeout=0.0)
         except NotArmedError as error:
-            raise ControlError(why_not_armed(error.code)) from None
+            raise ControlError(why_refused(error.code)) from None
         self._armed = True
         self._active_s = now_s
 

@@ -146,6 +146,8 @@ export class Drive {
     put(by("drive-why"), "Nothing can be driven from here: there is no connection to the dashboard.");
     put(by("asked"), "");
     put(by("pad-text"), "");
+    this.inputs.letGo();
+    this.inputs.follow({ forward: 0, left: 0 });
   }
 
   /** Show a frame, and return the inputs if this page drives. */
@@ -160,7 +162,7 @@ export class Drive {
       else this.step(button === FASTER ? 1 : -1);
     }
     const armed = this.mine && frame.facts.armed;
-    this.forgetRefusal(`${frame.driver} ${armed}`);
+    this.forgetRefusal(`${frame.driver} ${armed} ${frame.facts.blocked}`);
     put(by("control").lastChild, !this.offered ? "watching only" : this.mine ? "this page" : frame.driver_name ?? "nobody");
     showMode(frame.state !== "ready" ? "lost" : frame.facts.driving ? "driving" : frame.facts.armed ? "armed" : "disarmed");
     this.showButtons({ take: this.offered && !this.mine, arm: this.mine && !armed, disarm: armed, leave: this.mine });
@@ -191,7 +193,7 @@ export class Drive {
 
   showAsker({ asker, asker_name }) {
     const asked = this.mine && asker !== null;
-    if (asked) put(by("asked-by").firstChild, `“${asker_name}” wants to drive. Hand over stops and disarms.`);
+    if (asked) put(by("asked-by").firstChild, `Page “${asker_name}” wants to drive. Hand over stops and disarms.`);
     show(by("asked-by"), asked);
     show(by("drive-why"), !asked);
   }
@@ -213,7 +215,7 @@ export class Drive {
     if (!this.offered) return "Start roburoc4 dashboard with --enable-drive to drive from here.";
     if (this.refusal) return this.refusal;
     if (frame.state !== "ready") return "Nothing can be driven: the robot does not answer.";
-    if (!this.mine) return frame.driver === null ? "One page at a time can drive: take control, then arm." : frame.asker === this.page ? `“${frame.driver_name}” was asked. You get control when it agrees, or when it is gone.` : this.relieves ? `“${frame.driver_name}” has control and drives nothing.` : `“${frame.driver_name}” has control. STOP works from every page.`;
+    if (!this.mine) return frame.driver === null ? "One page at a time can drive: take control, then arm." : frame.asker === this.page ? `Page “${frame.driver_name}” was asked. You get control when it agrees, or when it is gone.` : this.relieves ? `Page “${frame.driver_name}” has control and drives nothing.` : `Page “${frame.driver_name}” has control. STOP works from every page.`;
     if (frame.going) return `The robot goes by itself: ${trip(frame, frame.going, frame.going_m_s)}. Any key or deflection, Escape, or leaving this page ends that.`;
     if (armed && frame.must_let_go) return "Armed: let go of everything once, then drive.";
     if (armed && this.inputs.unrepeated) return "Ready: the key stopped repeating, so it counts as released. Press it again. If the system does not repeat keys, drive with the game pad or the stick.";

@@ -99,7 +99,7 @@ function hello(message) {
 
 function describe(message) {
   about = { ...message, everReady: about.everReady, name: about.name, simulated: about.simulated };
-  put(by("kind"), about.simulated ? "simulator" : message.recorded ? "recording" : "real");
+  put(by("kind"), about.simulated ? "simulator" : message.recorded ? "replayed" : "real");
   show(by("kind"), true);
   plots.describe(message);
   channels.build(message.channels);

@@ -31,6 +31,6 @@ export class Past {
   show(frame) {
     this.now = frame.time_s;
     if (by("past").hidden) return;
-    put(by("past-text"), this.time_s === null ? "now" : `${clock.format(this.time_s * 1000)}, ${figure(this.now - this.time_s, 0, "s")} ago`);
+    put(by("past-text"), this.time_s === null ? "now" : `${clock.format(this.time_s * 1000)}${by("map").dataset.past === "" ? ": nothing known" : `, ${figure(this.now - this.time_s, 0, "s")} ago`}`);
   }
 }
