@@ -336,7 +336,31 @@ def test_letters_grow_with_the_browser_s(playwright: Playwright, station: Make) 
     assert float(size.removesuffix("px")) == pytest.approx(14 * 1.5)
     for name in ("#stop", "#stick", "#map", "#take", "#banner", "#scale", "#name", "#mode"):
         expect(page.locator(name)).to_be_in_viewport(ratio=0.99)
+    page.set_viewport_size({"width": 683, "height": 384})
+    for name in ("#stop", "#stick", "#map", "#take", "#name", "#mode"):
+        expect(page.locator(name)).to_be_in_viewport(ratio=0.99)
     browser.close()
+
+
+def test_a_phone_that_stands_shows_the_whole_hint(station: Make, visit: Visit) -> None:
+    page = visit(station().url, viewport={"width": 375, "height": 667}, has_touch=True)
+    ready(page)
+    take_control(page)
+    expect(page.locator("#drive-why")).to_contain_text("Is the way clear")
+    shown = "(node) => node.scrollHeight <= node.clientHeight + 1"
+    assert page.locator("#drive-why").evaluate(shown)
+
+
+def test_what_drives_by_pad_and_key_has_room_on_a_desktop(station: Make, visit: Visit) -> None:
+    page = visit(station().url, viewport={"width": 1366, "height": 768})
+    ready(page)
+    take_control(page)
+    shown = "(node) => node.scrollHeight <= node.clientHeight + 1"
+    for inputs in ("0", "makePad(); 0"):
+        page.evaluate(inputs)
+        page.wait_for_timeout(300)
+        for name in ("#pad-text", ".settings"):
+            assert page.locator(name).evaluate(shown), (name, inputs)
 
 
 def test_headings_miss_no_level_in_any_size(station: Make, visit: Visit) -> None:
@@ -363,18 +387,27 @@ def test_tabs_do_not_jump_when_they_are_chosen(station: Make, visit: Visit) -> N
     assert places[1:] == places[:-1]
 
 
-def test_high_contrast_keeps_what_colour_tells(station: Make, visit: Visit) -> None:
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_high_contrast_keeps_what_colour_tells(theme: str, station: Make, visit: Visit) -> None:
     page = visit(station().url, forced_colors="active")
     ready(page)
     arm(page)
     fills = "(node) => getComputedStyle(node).backgroundColor"
     assert page.locator("#mode").evaluate(fills) != page.locator("body").evaluate(fills)
     assert page.locator("#stop").evaluate(fills) == "rgb(192, 0, 24)"
-    more = visit(page.url, contrast="more")
+    more = visit(page.url, contrast="more", color_scheme=theme)
     ready(more)
+    expect(more.locator("html")).to_have_attribute("data-theme", theme)
     assert more.locator("#link-say").evaluate(
         "(node) => getComputedStyle(node).color"
     ) == more.locator("#asked").evaluate("(node) => getComputedStyle(node).color")
+    grid, text = more.evaluate("""["--grid", "--text"].map((name) =>
+        getComputedStyle(document.documentElement).getPropertyValue(name))""")
+    assert grid != text, "the grid hides the robot"
+    bar = more.locator(".speed .bar").first
+    assert bar.evaluate(fills) != bar.evaluate(
+        "(node) => getComputedStyle(node, '::before').backgroundColor"
+    )
 
 
 def test_who_asks_for_control_is_answered_in_every_size(station: Make, visit: Visit) -> None:

@@ -195,7 +195,7 @@ export class Inputs {
       return "Game pad withheld: browsers may refuse it to plain HTTP. Start with --tls-cert and --tls-key";
     }
     if (touches() && !strange) return "";
-    return strange ? "Game pad not used: the browser does not know its layout" : "No game pad seen: plug it in, press a button";
+    return strange ? "Game pad not used: the browser does not know its layout" : "No game pad seen: press a button on it";
   }
 
   fromPad(pad) {
