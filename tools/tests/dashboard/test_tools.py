@@ -280,6 +280,16 @@ def test_every_robot_can_be_chosen_in_every_size(station: Make, visit: Visit) ->
             expect(page.locator("#address")).to_have_text(sim.address)
 
 
+def test_the_chosen_robot_keeps_its_colour(station: Make, visit: Visit) -> None:
+    page = visit(station(robots=("RED", "BLUE")).url)
+    ready(page)
+    stripes = page.locator("#fleet button").evaluate_all(
+        "(all) => all.map(getComputedStyle).map((is) => [is.borderLeftWidth, is.borderLeftColor])"
+    )
+    assert [width for width, _ in stripes] == ["8px", "8px"]
+    assert len({colour for _, colour in stripes}) == 2
+
+
 def test_a_robot_with_an_unknown_name_is_refused(station: Make, visit: Visit) -> None:
     here = station(robots=("RED", "BLUE"))
     page = visit(f"{here.url}#GREY")
