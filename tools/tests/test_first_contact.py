@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """First contact on the ground, with a robot whose wheels slip and miscount; its robot file."""
 
+import json
 import math
 import re
 from collections.abc import Callable
@@ -9,9 +10,11 @@ from unittest.mock import Mock
 
 import pytest
 
-from roburoc4 import Robot, Simulator, robot_file
+from roburoc4 import Robot, Simulator, connect, robot_file
 from roburoc4_tools.cli import first_contact
-from roburoc4_tools.first_contact import ground
+from roburoc4_tools.cli.errors import CommandError
+from roburoc4_tools.first_contact import bundle, ground
+from roburoc4_tools.first_contact.contact import Contact
 from roburoc4_tools.first_contact.session import ReleasedError, UnsafeError
 
 SLIP = 0.12
@@ -144,3 +147,26 @@ def test_what_no_robot_file_can_hold_is_left_out_of_it(tmp_path: Path) -> None:
 
 def test_the_known_robots_are_read() -> None:
     assert first_contact.known_robots()["simulator"]["override_index"] == 8
+
+
+def test_the_recording_has_the_drive_on_the_ground_but_not_its_addresses(tmp_path: Path) -> None:
+    log: list[tuple[float, int, bool, bytes]] = []
+    session = Mock(log=log, world=Mock(now_s=1000.0))
+    path = tmp_path / "drive.pcapng"
+    bundle.add_drive(session, path)  # it never connected
+    assert log == []
+    with Simulator(port=0) as sim, connect(sim.address, record=path):
+        pass
+    bundle.add_drive(session, path)
+    assert {sent for _at_s, _port, sent, _data in log} == {False, True}
+    assert all(990.0 < at_s <= 1000.0 for at_s, _port, _sent, _data in log)
+    assert bytes([127, 0, 0, 1]) not in bundle.recording(log)
+
+
+def test_only_a_step_that_was_done_is_done_again(tmp_path: Path) -> None:
+    options = Mock(folder=tmp_path, again="pad")
+    contact = Contact(Mock(now_s=0.0))
+    state = contact.state() | {"done": ["directory", "network"]}
+    (tmp_path / "contact.json").write_text(json.dumps(state))
+    with pytest.raises(CommandError, match="'pad' is no step that was done: directory, network"):
+        first_contact._resume(contact, options, contact.session.world)

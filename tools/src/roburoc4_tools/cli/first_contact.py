@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from contextlib import suppress
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -38,6 +38,7 @@ class ContactOptions(Options):
     """Options of this command."""
 
     folder: Path
+    again: str | None
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -51,6 +52,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "was. docs/first-contact.md describes each step.",
     )
     parser.add_argument("folder", metavar="FOLDER", type=Path, help="where the results are kept")
+    parser.add_argument("--again", metavar="STEP", help="repeat a step that was done, by its name")
     add_robot(parser)
     parser.set_defaults(run=_run)
 
@@ -74,7 +76,7 @@ def _run(options: ContactOptions) -> int:
     with unsuspendable(), Keyboard() as keyboard:
         world = TerminalWorld(host, int(port), keyboard)
         contact = Contact(world)
-        _resume(contact, options.folder, world)
+        _resume(contact, options, world)
         try:
             for number, step in enumerate(contact.steps(), len(contact.done) + 1):
                 _keep(contact, options.folder, name)  # a killed one goes on from here, too
@@ -97,12 +99,20 @@ def _run(options: ContactOptions) -> int:
     return ExitCode.FINE
 
 
-def _resume(contact: Contact, folder: Path, world: TerminalWorld) -> None:
+def _resume(contact: Contact, options: ContactOptions, world: TerminalWorld) -> None:
     """Confirm the checklist, and go on where an earlier session was, if there was one."""
+    state = options.folder / _STATE
+    began = state.exists()
+    if began:
+        contact.resume(json.loads(state.read_text(encoding="utf-8")))
+    if options.again is not None:
+        if options.again not in contact.done:
+            done = ", ".join(contact.done) or "none"
+            raise usage(f"--again: {options.again!r} is no step that was done: {done}")
+        contact.done.remove(options.again)
     for text in _CHECKLIST:
         world.please("checklist", text)
-    with suppress(FileNotFoundError):
-        contact.resume(json.loads((folder / _STATE).read_text(encoding="utf-8")))
+    if began:
         note(f"going on after {len(contact.done)} steps")
         contact.rejoin()
 
@@ -134,6 +144,7 @@ def known_robots() -> dict[str, dict[str, float]]:
 
 
 def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, name: str) -> None:
+    from ..first_contact import bundle
     from ..first_contact.session import UnsafeError
 
     world.please(
@@ -149,17 +160,19 @@ def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, nam
 
     unscaled = {"scale_linear": 1.0, "scale_angular": 1.0}
     found: dict[str, float] = {}
-    with session.connected(options, robot_file=options.folder / _FILE, **unscaled) as robot:
+    with tempfile.TemporaryDirectory() as private:  # with addresses, which the result has not
+        settings = {"robot_file": options.folder / _FILE, "record": Path(private) / "drive.pcapng"}
         try:
-            found = drive_on_the_ground(robot, world, ask)
+            with session.connected(options, **settings, **unscaled) as robot:
+                found = drive_on_the_ground(robot, world, ask)
         except UnsafeError as reason:
             contact.refused = reason
         finally:
-            robot.stop()
-    scales = {key: value for key, value in found.items() if key.startswith("scale_")}
-    contact.session.known |= scales
-    contact.session.notes |= {k: v for k, v in found.items() if k not in scales}
-    _keep(contact, options.folder, name)
+            scales = {key: value for key, value in found.items() if key.startswith("scale_")}
+            contact.session.known |= scales
+            contact.session.notes |= {k: v for k, v in found.items() if k not in scales}
+            bundle.add_drive(contact.session, settings["record"])
+            _keep(contact, options.folder, name)
 
 
 def drive_on_the_ground(

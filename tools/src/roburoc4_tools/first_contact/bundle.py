@@ -3,11 +3,13 @@
 
 import math
 import struct
+import time
 import zipfile
 from collections.abc import Mapping
 from html import escape
 from pathlib import Path
 
+from ..recordings.capture import Capture
 from ..report.plots import STYLE, Line, chart
 from ..report.series import Series
 from .contact import STEPS, Contact
@@ -16,6 +18,7 @@ from .wire import SERVICES
 
 _ROBOT, _CLIENT = bytes([192, 0, 2, 2]), bytes([192, 0, 2, 1])  # of RFC 5737: nobody's
 _ROBOT_PORT, _FIRST_PORT = 60000, 50000
+_LIBRARY = 9  # our port while the library drives
 _SECTION = struct.pack("<IIIHHqI", 0x0A0D0D0A, 28, 0x1A2B3C4D, 1, 0, -1, 28)
 _INTERFACE = struct.pack("<IIHHII", 1, 20, 101, 0, 0, 20)  # raw IP, microseconds
 
@@ -38,6 +41,15 @@ def recording(log: list[tuple[float, int, bool, bytes]]) -> bytes:
         blocks.append(struct.pack("<7I", *fields) + packet.ljust(size - 32, b"\0"))
         blocks.append(struct.pack("<I", size))
     return b"".join(blocks)
+
+
+def add_drive(session: Session, path: Path) -> None:
+    """Add what the library recorded, by the time of day, while it drove."""
+    later_s = session.world.now_s - time.time()
+    session.log += [
+        (datagram.time_us / 1e6 + later_s, _LIBRARY, not datagram.inbound, datagram.payload)
+        for datagram in (Capture(path) if path.exists() else ())
+    ]
 
 
 _SWITCHES = """hidden_services only_id_fixed answer_id_fixed error_header error_code surplus_bytes
