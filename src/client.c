@@ -310,7 +310,7 @@ static void tick(client *c) {
     if (c->private_outputs.relocalizing &&
         due(t, c->private_outputs.relocalize_us, RELOCALIZE_US)) {
         roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_REPLACE,
-                                 ROBUROC4_SERVICE_LOCALIZATION);
+                                 ROBUROC4_SERVICE_LOCALIZATION, t->now_us);
         roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_ERR_TIMEOUT);
     }
     if (c->private_state == ROBUROC4_STATE_READY) {

@@ -184,7 +184,7 @@ roburoc4_result roburoc4_client_relocalize(client *c, double x_m, double y_m, do
     }
     begin_call(c, now_us);
     roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_REPLACE,
-                             ROBUROC4_SERVICE_LOCALIZATION);
+                             ROBUROC4_SERVICE_LOCALIZATION, (uint32_t)now_us);
     o->x_m = x_m;
     o->y_m = y_m;
     o->theta_rad = theta_rad;
@@ -208,8 +208,10 @@ roburoc4_result roburoc4_client_subscribe(client *c, uint32_t service, uint32_t 
     }
     begin_call(c, now_us);
     roburoc4_subscriptions_forget(&c->private_subscriptions, service);
-    roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_INSERT, (uint8_t)service);
-    roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_DELETE, (uint8_t)service);
+    roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_INSERT, (uint8_t)service,
+                             (uint32_t)now_us);
+    roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_DELETE, (uint8_t)service,
+                             (uint32_t)now_us);
     if (period_ms == 0) {
         roburoc4_subscriptions_leave(&c->private_subscriptions, service);
         c->private_config.subscriptions &= ~(uint32_t)service_bit(service);

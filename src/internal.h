@@ -155,7 +155,10 @@ bool roburoc4_requests_has_room_for_text(const requests *r);
 bool roburoc4_requests_is_open(const requests *r, const ask *a);
 /** Open a request; false if it is open already or there is no room. */
 bool roburoc4_requests_begin(requests *r, const ask *a);
-void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind);
+/** End an open request without an answer. It may still be refused by an error that does not name
+ * its request, which must refuse no text. */
+void roburoc4_requests_abandon(requests *r, slot *s, uint32_t now_us);
+void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind, uint32_t now_us);
 /** The next request that must be sent or repeated now, or NULL. If its tries are used up it is
  * closed and stored in *given_up instead. */
 slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round_trip_us, timer *t,

@@ -16,6 +16,8 @@
 #define QUIET_US (700 * MS)
 /* In fixed-id mode they wait after each answer for twice the slowest recent one, at least this. */
 #define SHORTEST_QUIET_US (250 * MS)
+/* Where texts come twice, this is the slowest one at least. */
+#define COPY_MS (QUIET_US / MS / 2)
 /* After several tries they wait as long as the answer took, up to this. */
 #define LONGEST_QUIET_US (5 * SECOND)
 /* If answers do not name their request, a text is repeated only this much later. */
@@ -59,12 +61,31 @@ static bool text_open(const requests *r) {
     return false;
 }
 
-void roburoc4_requests_cancel_all(requests *r, uint32_t now_us) {
-    if (texts_are_doubtful(r) && text_open(r)) {
-        roburoc4_requests_be_quiet(r, NULL, now_us);
+static void wait_for_copies(requests *r, uint8_t what, uint32_t wait_us, uint32_t now_us) {
+    const uint32_t passed_us = now_us - r->quiet_since_us;
+    const bool longer =
+        r->quiet && passed_us < r->quiet_span_us && r->quiet_span_us - passed_us > wait_us;
+    if (!longer) {
+        r->quiet_since_us = now_us;
+        r->quiet_span_us = wait_us;
     }
+    r->quiet = r->quiet > what ? r->quiet : what;
+}
+
+void roburoc4_requests_abandon(requests *r, slot *s, uint32_t now_us) {
+    if (in_fixed_id_mode(r) && is_text(s)) {
+        roburoc4_requests_be_quiet(r, NULL, now_us);
+    } else if (r->single_texts) {
+        wait_for_copies(r, QUIET_TEXTS, LONGEST_QUIET_US, now_us);
+    }
+    s->open = 0;
+}
+
+void roburoc4_requests_cancel_all(requests *r, uint32_t now_us) {
     for (uint32_t i = 0; i < SLOTS; i++) {
-        r->slots[i].open = 0;
+        if (r->slots[i].open) {
+            roburoc4_requests_abandon(r, &r->slots[i], now_us);
+        }
     }
 }
 
@@ -108,11 +129,11 @@ bool roburoc4_requests_begin(requests *r, const ask *a) {
     return true;
 }
 
-void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind) {
+void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind, uint32_t now_us) {
     for (uint32_t i = 0; i < SLOTS; i++) {
         slot *s = &r->slots[i];
-        if (s->ask.action == action && s->ask.kind == kind) {
-            s->open = 0;
+        if (s->open && s->ask.action == action && s->ask.kind == kind) {
+            roburoc4_requests_abandon(r, s, now_us);
         }
     }
 }
@@ -262,11 +283,8 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round
     }
     const uint32_t end_us = longest_try_us(s, longest_us);
     if (tries_used_up(s, end_us, t->now_us)) {
-        s->open = 0;
+        roburoc4_requests_abandon(r, s, t->now_us);
         *given_up = s;
-        if (texts_are_doubtful(r) && is_text(s)) {
-            roburoc4_requests_be_quiet(r, NULL, t->now_us);
-        }
         return NULL;
     }
     if (fixed_id_is_next(r, s)) {
@@ -304,17 +322,6 @@ static bool only_manual_id(slot *s) {
         s->ones = (uint8_t)(0x80 | (s->ones + 1));
     }
     return (s->ones & 0x7F) >= FIXED_AFTER;
-}
-
-static void wait_for_copies(requests *r, uint8_t what, uint32_t wait_us, uint32_t now_us) {
-    const uint32_t passed_us = now_us - r->quiet_since_us;
-    const bool longer =
-        r->quiet && passed_us < r->quiet_span_us && r->quiet_span_us - passed_us > wait_us;
-    if (!longer) {
-        r->quiet_since_us = now_us;
-        r->quiet_span_us = wait_us;
-    }
-    r->quiet = r->quiet > what ? r->quiet : what;
 }
 
 void roburoc4_requests_be_quiet(requests *r, const slot *s, uint32_t now_us) {
@@ -359,10 +366,13 @@ void roburoc4_requests_cancel_texts(requests *r, uint32_t lists, uint32_t now_us
 }
 
 /** An error telegram does not name the text that it refuses: from now on request one text at a
- * time. */
+ * time, once all that was requested before must have been answered. */
 static void ask_single_texts(requests *r, uint32_t now_us) {
     r->single_texts = 1;
     roburoc4_requests_cancel_texts(r, LIST_DIRECTORY + 1, now_us);
+    if (!in_fixed_id_mode(r)) {
+        wait_for_copies(r, QUIET_TEXTS, LONGEST_QUIET_US, now_us);
+    }
 }
 
 /** The open requests to which a datagram without their id may belong: how many, and the oldest. */
@@ -392,10 +402,11 @@ static slot *find_id(requests *r, const uint8_t *datagram, size_t size, uint32_t
     return NULL;
 }
 
-/** The request that an error without an id refuses: the oldest, unless it may be another text. */
+/** The request that an error without an id refuses: the oldest, unless it may be another text, or
+ * that is one and another request was abandoned meanwhile. */
 static slot *match_error(requests *r, const candidates *found, size_t size, uint32_t now_us) {
     slot *s = found->oldest;
-    if (is_text(s) && (found->count > 1 || !r->single_texts)) {
+    if (is_text(s) && (found->count > 1 || !r->single_texts || r->quiet)) {
         ask_single_texts(r, now_us);
         return NULL;
     }
@@ -415,9 +426,12 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
         return s;
     }
     if (found.oldest == NULL) {
-        if (r->quiet &&
-            (r->quiet == QUIET_ALL || size < 2 || datagram[1] == ROBUROC4_ACTION_QUERY)) {
+        const bool text = size < 2 || datagram[1] == ROBUROC4_ACTION_QUERY;
+        if (r->quiet && (r->quiet == QUIET_ALL || text)) {
             wait_for_copies(r, r->quiet, QUIET_US, now_us);
+        }
+        if (text && r->slowest_ms < COPY_MS) {
+            r->slowest_ms = COPY_MS; /* others may come as late, without this warning */
         }
         return NULL;
     }

@@ -197,7 +197,7 @@ static void identify(client *c) {
     }
     roburoc4_discovery_identify(d, &c->private_config);
     roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_QUERY,
-                             ROBUROC4_SERVICE_DIRECTORY);
+                             ROBUROC4_SERVICE_DIRECTORY, c->private_timer.now_us);
     if (d->service_ids[ROBUROC4_SERVICE_DIFFERENTIAL] != c->private_drive.service) {
         roburoc4_drive_service(&c->private_drive, false, 0);
     }
@@ -324,7 +324,7 @@ static bool may_send(client *c, slot *s) {
         return true;
     }
     if (c->private_outputs.moved) {
-        s->open = 0;
+        roburoc4_requests_abandon(&c->private_requests, s, c->private_timer.now_us);
         roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_ERR_MOVING);
     } /* else it may still be answered, and ends after its time */
     return false;
