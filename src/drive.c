@@ -19,6 +19,9 @@
 /* The longest time after which something of ours must have reached the robot, beside a drive
  * period. */
 #define UPLINK_US (400 * MS)
+/* This long after a command, a robot that seems to be at rest may still be changing its direction.
+ */
+#define SETTLED_US (4 * SECOND)
 /* A reported target or speed up to this, in m/s or rad/s, is a rounded zero. */
 #define ROUNDING 1e-3F
 /* Fixed-point numbers: of speeds, and of wheels' speeds, which are exact to that of a float. */
@@ -457,8 +460,8 @@ static void watch_echo(drive *d, const roburoc4_config *config, const float *rep
 
 /** The robot must not start moving because power returns or a bumper is released. */
 static void watch_following(drive *d, const roburoc4_differential_status *s, bool expected,
-                            uint32_t *events) {
-    if (!expected && !d->armed && !d->inhibited) {
+                            uint32_t now_us, uint32_t *events) {
+    if (!expected && !d->armed && !d->inhibited && now_us - d->sent_us >= SETTLED_US) {
         follow_pause(&d->follow, s); /* saves a client that only listens a third of its work */
         return;
     }
@@ -514,5 +517,5 @@ void roburoc4_drive_status(drive *d, const roburoc4_config *config,
     const bool expected =
         !overridden &&
         (d->lease_active || (!zero && is_finite(reported[LINEAR]) && is_finite(reported[ANGULAR])));
-    watch_following(d, s, expected, events);
+    watch_following(d, s, expected, now_us, events);
 }

@@ -58,10 +58,10 @@ static bool out_of_bounds(const follow *f, uint32_t axis) {
 }
 
 void roburoc4_follow_begin(follow *f) {
-    const uint32_t cycles = f->cycles;
-    memset(f, 0, sizeof *f);
-    f->cycles = cycles;
-    f->watching = WATCHING_FROM_REST;
+    f->fault_cycles = f->fault = 0;
+    if (f->watching == WATCHING_NOTHING) {
+        f->watching = WATCHING_FROM_REST;
+    }
 }
 
 /** Take a speed into the averages and bounds of an axis: whether it is out of bounds. */

@@ -261,7 +261,7 @@ bool roburoc4_drive_moving(const roburoc4_differential_status *status);
 
 /* ---- follow ---- */
 
-/** Judge anew a robot that is at rest. */
+/** Judge anew a robot that is at rest, unless it is watched: it may have moved just now. */
 void roburoc4_follow_begin(follow *f);
 /* Values of watching: a robot that is armed is at rest, give or take the tolerance. */
 enum { WATCHING_NOTHING, WATCHING_FROM_REST, WATCHING };

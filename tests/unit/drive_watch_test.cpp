@@ -5,6 +5,7 @@
 #include "client_bench.h"
 
 #include <array>
+#include <cmath>
 #include <deque>
 #include <limits>
 
@@ -307,6 +308,34 @@ TEST(Inhibited, IsNoRobotThatRespondsInItsOwnWay) {
                         }
                     }
                 }
+}
+
+/** It seems to be at rest for a moment, and goes on in the other direction. */
+TEST(Inhibited, IsNoRobotThatIsArmedAgainWhileItChangesItsDirection) {
+    Disobedient robot;
+    Bench bench(robot);
+    bench.armed();
+    float slope = 0;
+    const auto roll = [&](int cycles, float target) {
+        for (int cycle = 0; cycle < cycles; cycle++) {
+            if (cycle % 5 == 0 && target != 0) {
+                ASSERT_EQ(ROBUROC4_OK, bench.drive(target, 0)) << cycle;
+            }
+            bench.run(10 * ms);
+            for (int i = 0; i < 10; i++) {
+                slope += 0.001F * 2.08F *
+                         (2.08F * (robot.target_linear - robot.current_linear) - 1.3F * slope);
+                robot.current_linear += 0.001F * slope;
+            }
+        }
+    };
+    ASSERT_NO_FATAL_FAILURE(roll(300, 0.66F));
+    ASSERT_NO_FATAL_FAILURE(roll(60, -0.86F));
+    EXPECT_EQ(ROBUROC4_OK, bench.stop());
+    ASSERT_NO_FATAL_FAILURE(roll(5, 0));
+    ASSERT_LT(std::fabs(robot.current_linear), 0.1F);
+    ASSERT_EQ(ROBUROC4_OK, bench.arm());
+    ASSERT_NO_FATAL_FAILURE(roll(300, 0.3F));
 }
 
 TEST(Inhibited, IsNotReportedWhenTheTargetIsNotFinite) {
