@@ -586,7 +586,8 @@ typedef struct roburoc4_private_link {
     uint64_t newest_cycles, floor_us, proven_us;
     int64_t offset_us, offset_before_us;
     uint32_t offset_since_us, last_used_us, asked_us, heard_us, card_inserted_us;
-    uint8_t contradicted, reserved[3];
+    uint8_t contradicted, reserved;
+    uint16_t lowered;
     uint32_t round_trip_us, round_trip_min_us;
     uint32_t excess_us, excess_since_us, slack_us, contradicted_us;
     roburoc4_private_service services[5];

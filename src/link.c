@@ -18,6 +18,8 @@ typedef roburoc4_private_service service;
 #define RECENT_STATUSES 200
 #define MAP_WINDOW_US (5 * SECOND)
 #define AGE_UNKNOWN UINT32_MAX
+/* The unit of `lowered`, as a power of two of microseconds. */
+#define LOWERED_BITS 10
 /* A robot cannot restart within this time; after a longer gap, or once it was lost, its clock must
  * have advanced as the host's, give or take a second. */
 #define RESTART_US SECOND
@@ -239,6 +241,7 @@ static inline void map_times(roburoc4_private_link *l, uint64_t transit, int32_t
         l->floor_age_us = AGE_UNKNOWN;
         l->floor_us = transit;
         l->proven_us = now_us;
+        l->lowered = 0;
         l->excess_us = 0;
         return;
     }
@@ -280,6 +283,7 @@ static void lower_bound(roburoc4_private_link *l, uint32_t late_us, uint32_t by_
     } else {
         rise_us = by_us = 0;
     }
+    l->lowered = by_us != 0 ? 0 : l->lowered;
     l->floor_us += rise_us;
     l->floor_age_us = age_us - (by_us - rise_us);
     l->proven_us = now_us;
@@ -297,6 +301,7 @@ static void learn_age(roburoc4_private_link *l, uint32_t late_us, uint64_t now_u
     if (l->floor_age_us == AGE_UNKNOWN) {
         l->floor_age_us = proven_us;
         l->proven_us = now_us;
+        l->lowered = 0;
     } else if (l->excess_us == 0) {
         if (late_us <= sum(l->round_trip_min_us, ROBUROC4_CYCLE_US + drifted)) {
             l->contradicted = 0; /* a slow answer alone would not show it */
@@ -322,13 +327,27 @@ static bool dates_itself(const roburoc4_private_link *l, const service *s, uint6
             (uint32_t)now_us - l->card_inserted_us >= SECOND);
 }
 
-/** Whether a status is from later than is possible: from a robot that restarted, or another one. */
-static inline bool ahead_of_time(const roburoc4_private_link *l, int32_t late_us, bool gap,
-                                 uint64_t now_us) {
+/** By how much less a status took than any before, beyond what clocks drift apart. */
+static uint32_t early_by(const roburoc4_private_link *l, int32_t late_us, uint64_t now_us) {
+    if (late_us >= 0) {
+        return 0;
+    }
+    const uint32_t drifted = drifted_us(l, now_us);
+    return (uint32_t)-late_us > drifted ? (uint32_t)-late_us - drifted : 0;
+}
+
+/** Whether a status is from later than is possible: from a robot that restarted, or another one. In
+ * many small steps, too, delays can shrink only by what they were when the floor's age was proven.
+ */
+static bool ahead_of_time(const roburoc4_private_link *l, uint32_t early_us, bool gap) {
+    if (early_us == 0) {
+        return false;
+    }
     const bool known = gap && l->floor_age_us != AGE_UNKNOWN;
     const uint32_t span_us =
         known ? sum(l->floor_age_us, 2 * ROBUROC4_CYCLE_US) : CLOCK_TOLERANCE_US;
-    return l->mapped && not_negative(-late_us) > sum(span_us, drifted_us(l, now_us));
+    return early_us > span_us || sum(early_us, (uint32_t)l->lowered << LOWERED_BITS) >
+                                     sum(l->floor_age_us, CLOCK_TOLERANCE_US);
 }
 
 /** Whether statuses are so late that the robot's clock was set back, by a restart. It may also be a
@@ -358,7 +377,7 @@ static bool clock_is_lost(const roburoc4_private_link *l, uint64_t robot_cycles,
 void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {
     const uint64_t transit = transit_of(robot_cycles, now_us);
     const int32_t late_us = late_by(l, transit);
-    if (robot_cycles < l->newest_cycles || ahead_of_time(l, late_us, true, now_us) ||
+    if (robot_cycles < l->newest_cycles || ahead_of_time(l, early_by(l, late_us, now_us), true) ||
         clock_is_lost(l, robot_cycles, now_us)) {
         return; /* perhaps from another start: its subscribed statuses tell */
     }
@@ -371,13 +390,15 @@ void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uin
 static verdict judge_time(roburoc4_private_link *l, const service *s, uint64_t robot_cycles,
                           int32_t late_us, uint64_t now_us) {
     const bool gap = was_silent(l, now_us);
+    const uint32_t early_us = early_by(l, late_us, now_us);
     if (clock_is_lost(l, robot_cycles, now_us)) {
         return VERDICT_REBOOT;
     }
-    if (ahead_of_time(l, late_us, gap, now_us)) {
+    if (ahead_of_time(l, early_us, gap)) {
         l->back_count++; /* without a gap, one may be a corrupted datagram */
         return gap || l->back_count >= BACK_STATUSES ? VERDICT_REBOOT : VERDICT_OLD;
     }
+    l->lowered = (uint16_t)at_most(l->lowered + (early_us >> LOWERED_BITS), UINT16_MAX);
     const bool restart = robot_cycles < l->newest_cycles ? restarted(l, s, robot_cycles, now_us)
                                                          : clock_was_set(l, late_us, now_us);
     return restart ? VERDICT_REBOOT : VERDICT_NEW;

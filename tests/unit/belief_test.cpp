@@ -593,6 +593,28 @@ TEST(Restart, IsAssumedOfARobotThatWasLostBeforeAStatusThatCounted) {
     expect_moved_pad_a(bench);
 }
 
+/** The first statuses look late, and each later one is only a little less late. */
+TEST(Restart, ThatStatusesInAQueueHideIsNoticedWhenTheyAreOnTime) {
+    for (const std::uint64_t ahead_s : {2U, 4U, 5U}) {
+        SCOPED_TRACE(ahead_s);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.ready();
+        bench.run(10 * second);
+        const std::uint64_t cycles = robot.cycles();
+        const auto subscriptions = robot.subscriptions; /* some robots keep them */
+        robot.reboot();
+        robot.subscriptions = subscriptions;
+        robot.set_cycles(cycles + ahead_s * 100);
+        for (int i = 0; i < 600; i++) /* nobody receives */
+            robot.advance(bench.now_us += 10 * ms);
+        bench.run(100 * ms);
+        EXPECT_LE(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
+        bench.run(2 * second);
+        EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    }
+}
+
 TEST(Restart, IsNotReportedOfTheSameRobotWhoseQueueEmpties) {
     ScriptedRobot robot;
     Bench bench(robot);
