@@ -137,6 +137,9 @@ static void see_reboot(client *c, uint64_t robot_cycles) {
 static roburoc4_result judge(client *c, uint32_t service, uint64_t robot_cycles) {
     roburoc4_private_link *l = &c->private_link;
     const uint64_t floor_us = l->floor_us;
+    if (l->answered) {
+        wake(c); /* this status may teach that those before are older than assumed */
+    }
     const verdict judged = roburoc4_link_status(l, &l->services[STATUS_INDEX(service)],
                                                 robot_cycles, c->private_now_us);
     if (judged == VERDICT_REBOOT) {

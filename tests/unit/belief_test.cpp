@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <random>
 
 #include "client_bench.h"
 
@@ -273,6 +274,35 @@ TEST(Age, IsLearntAgainWhereClocksDrift) {
             EXPECT_LT(age_us(bench), 200 * ms) << ppm;
         }
         EXPECT_EQ(ROBUROC4_OK, bench.arm()) << ppm;
+    }
+}
+
+/** What a datagram teaches may make the last statuses of all services older at once. */
+TEST(Age, IsNeverHigherThanTheStoredDeadlineKnows) {
+    for (const std::int64_t ppm : {-400, 0, 400}) {
+        SCOPED_TRACE(ppm);
+        QueueingRobot robot;
+        robot.ppm = ppm;
+        Bench bench(robot);
+        std::mt19937 random(7);
+        bench.delay_to_client = [&random] { return random() % 40 * ms; };
+        bench.ready();
+        std::uint64_t late_us = 0;
+        const std::uint64_t end_us = bench.now_us + 300 * second;
+        while (bench.now_us < end_us) {
+            bench.run_to(bench.now_us + 1 + random() % (20 * ms));
+            if (bench.facts().armed == 0 && bench.arm() < 0)
+                continue;
+            const std::uint64_t left_us =
+                roburoc4_client_next_deadline(&bench.client) -
+                std::min(bench.client_us(), roburoc4_client_next_deadline(&bench.client));
+            for (const std::uint32_t service :
+                 {std::uint32_t{ROBUROC4_SERVICE_IOCARD}, differential}) {
+                const std::uint64_t age = bench.facts().age_us[service];
+                late_us = std::max(late_us, std::max(age + left_us, 300 * ms) - 300 * ms);
+            }
+        }
+        EXPECT_EQ(0U, late_us);
     }
 }
 
