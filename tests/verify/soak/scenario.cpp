@@ -107,6 +107,10 @@ bool override_can_be_known(const RobotPlan &plan, const roburoc4_config &config)
     }
     if (rule.doubtful() && config.role_index[ROBUROC4_ROLE_OVERRIDE] < 0)
         return false;
+    /* a card with more inputs than the client stores is one for the user's role_index */
+    if (plan.digital_inputs > ROBUROC4_MAX_DIGITAL_INPUTS &&
+        config.role_index[ROBUROC4_ROLE_OVERRIDE] < 0)
+        return false;
     /* where all answers have one id, texts count only where they agree with the manual's table */
     const std::int32_t table = plan.digital_inputs == 23 ? 9 : 8;
     if (plan.literal_ids && config.role_index[ROBUROC4_ROLE_OVERRIDE] < 0 &&
@@ -472,10 +476,6 @@ class Scenario {
             result = world_.arm();
         }
         if (violated() || !friendly())
-            return;
-        /* a card with more inputs than the client stores is one for the user's role_index */
-        if (result == ROBUROC4_ERR_OVERRIDE_UNKNOWN &&
-            plan_.digital_inputs > ROBUROC4_MAX_DIGITAL_INPUTS)
             return;
         if (result < 0) {
             const Promise broken = promise_behind(result);

@@ -207,7 +207,8 @@ Truth World::truth() const {
     truth.newest_command_us = robot_.newest_command_us();
     truth.well = good(up) && good(to_client_.weather()) && !robot_.trouble().any() &&
                  !robot_.pad_a_held() && robot_.running(now_us_) && now_us_ >= others_until_us_;
-    truth.uplink_loses = (up.loss > 0.05 || up.reordering > 0) && !up.dark;
+    /* commands may be lost, and requests between them arrive */
+    truth.uplink_loses = (up.loss > 0.05 || up.burst > 0 || up.reordering > 0) && !up.dark;
     return truth;
 }
 
