@@ -16,6 +16,7 @@ from roburoc4_tools.cli.errors import CommandError
 from roburoc4_tools.first_contact import bundle, ground
 from roburoc4_tools.first_contact.contact import Contact
 from roburoc4_tools.first_contact.session import ReleasedError, UnsafeError
+from roburoc4_tools.recordings.capture import Capture
 
 SLIP = 0.12
 SAFETY = Path(__file__).parents[2] / "docs" / "SAFETY.md"
@@ -153,11 +154,9 @@ def test_the_recording_has_the_drive_on_the_ground_but_not_its_addresses(tmp_pat
     log: list[tuple[float, int, bool, bytes]] = []
     session = Mock(log=log, world=Mock(now_s=1000.0))
     path = tmp_path / "drive.pcapng"
-    bundle.add_drive(session, path)  # it never connected
-    assert log == []
     with Simulator(port=0) as sim, connect(sim.address, record=path):
         pass
-    bundle.add_drive(session, path)
+    bundle.add_drive(session, Capture(path))
     assert {sent for _at_s, _port, sent, _data in log} == {False, True}
     assert all(990.0 < at_s <= 1000.0 for at_s, _port, _sent, _data in log)
     assert bytes([127, 0, 0, 1]) not in bundle.recording(log)

@@ -146,6 +146,7 @@ def known_robots() -> dict[str, dict[str, float]]:
 def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, name: str) -> None:
     from ..first_contact import bundle
     from ..first_contact.session import UnsafeError
+    from ..recordings.capture import Capture
 
     world.please(
         "ground",
@@ -171,7 +172,8 @@ def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, nam
             scales = {key: value for key, value in found.items() if key.startswith("scale_")}
             contact.session.known |= scales
             contact.session.notes |= {k: v for k, v in found.items() if k not in scales}
-            bundle.add_drive(contact.session, settings["record"])
+            recorded = settings["record"]
+            bundle.add_drive(contact.session, Capture(recorded) if recorded.exists() else ())
             _keep(contact, options.folder, name)
 
 

@@ -5,16 +5,19 @@ import math
 import struct
 import time
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from html import escape
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ..recordings.capture import Capture
 from ..report.plots import STYLE, Line, chart
 from ..report.series import Series
 from .contact import STEPS, Contact
 from .session import Session
 from .wire import SERVICES
+
+if TYPE_CHECKING:  # it needs the library, which the measuring does without
+    from ..recordings.capture import Datagram
 
 _ROBOT, _CLIENT = bytes([192, 0, 2, 2]), bytes([192, 0, 2, 1])  # of RFC 5737: nobody's
 _ROBOT_PORT, _FIRST_PORT = 60000, 50000
@@ -43,12 +46,12 @@ def recording(log: list[tuple[float, int, bool, bytes]]) -> bytes:
     return b"".join(blocks)
 
 
-def add_drive(session: Session, path: Path) -> None:
+def add_drive(session: Session, recorded: "Iterable[Datagram]") -> None:
     """Add what the library recorded, by the time of day, while it drove."""
     later_s = session.world.now_s - time.time()
     session.log += [
         (datagram.time_us / 1e6 + later_s, _LIBRARY, not datagram.inbound, datagram.payload)
-        for datagram in (Capture(path) if path.exists() else ())
+        for datagram in recorded
     ]
 
 
