@@ -403,12 +403,12 @@ def _comes_back(s: Session, target: float, shift_s: float, lead_s: float) -> boo
     s.world.countdown("tap_pad_a", "Tap [A] shortly when the countdown reaches 0.", 1.5)
     last_s = max(_EARLIEST_S / 2, 0.175 - watchdog_s / 2)
     s.run(1.5 + last_s - lead_s, (target, 0.0))
+    tripped_s = s.commanded_s + watchdog_s + shift_s
     samples = _silent(s, 0.55 + lead_s - last_s)
     dropped = next((k for k, x in enumerate(samples) if abs(x.target[0] - target) > 1e-3), None)
     _expect_pad_a(s, True, zero_s - 0.2, zero_s + 0.3)
     if dropped is None:
         return True
-    tripped_s = s.commanded_s + watchdog_s + shift_s
     came_back = any(abs(x.target[0] - target) < 1e-3 for x in samples[dropped:])
     return came_back or samples[dropped].asked_s > tripped_s - 0.1
 
