@@ -78,6 +78,16 @@ def test_the_stops_of_the_measured_robot_are_those_of_the_safety_page() -> None:
         assert found[f"stops from {speed:g} m/s within, m"] == pytest.approx(way_m, abs=0.05)
 
 
+@pytest.mark.parametrize("late", ["queue_iocard_ms", "queue_differential_ms", "queue_answer_ms"])
+def test_a_robot_that_the_library_would_not_drive_for_long_stays_off_the_ground(late: str) -> None:
+    with Simulator(**{late: 220}) as sim, sim.connect() as robot:
+        with pytest.raises(UnsafeError, match="although the robot stands: not armed: no recent"):
+            ground.stay_armed(robot)
+        assert sim.state.nonzero_speed_commands == 0
+    with Simulator() as sim, sim.connect() as robot:
+        ground.stay_armed(robot)
+
+
 def test_it_does_not_drive_while_the_way_is_not_free() -> None:
     answers = ["no", "yes", "yes"]
 

@@ -144,7 +144,7 @@ def known_robots() -> dict[str, dict[str, float]]:
 
 
 def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, name: str) -> None:
-    from ..first_contact import bundle
+    from ..first_contact import bundle, ground
     from ..first_contact.session import UnsafeError
     from ..recordings.capture import Capture
 
@@ -165,6 +165,7 @@ def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, nam
         settings = {"robot_file": options.folder / _FILE, "record": Path(private) / "drive.pcapng"}
         try:
             with session.connected(options, **settings, **unscaled) as robot:
+                ground.stay_armed(robot)
                 found = drive_on_the_ground(robot, world, ask)
         except UnsafeError as reason:
             contact.refused = reason
