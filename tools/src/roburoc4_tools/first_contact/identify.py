@@ -192,7 +192,7 @@ def _answers_within(s: Session, seconds: float) -> bool:
 
 
 def _is_heard(s: Session, service: str, port: int = 0, seconds: float = 1.5) -> bool:
-    return bool(s.listen(seconds + s.lag_s(service), port)[service])
+    return bool(s.hear(service, seconds, port))
 
 
 def subscriptions(s: Session) -> None:
@@ -249,7 +249,7 @@ def _first_arrival(s: Session, service: str) -> float | None:
 
 
 def _arrivals(s: Session, service: str) -> list[float]:
-    return [x.at_s for x in s.statuses if not x.port and x.service == s.ids[service]]
+    return [x.at_s for x in s.heard_of(service)]
 
 
 def _keep_queue(s: Session, service: str, first_s: float, asked_to_end_s: float) -> None:
@@ -351,7 +351,7 @@ def lengths(s: Session) -> None:
         plain["iocard"] = 4 * int(s.known["analog_inputs"]) + blocks
     for service in s.usable:
         s.subscribe(service, 20)
-        heard = s.listen(1.5 + s.lag_s(service))[service]
+        heard = s.hear(service, 1.5)
         s.unsubscribe(service)
         if not heard:
             raise SilentError

@@ -120,7 +120,7 @@ def outage(s: Session) -> None:
         s.please("cable_in", "Plug the network cable in again, and wait for its lamp.")
         if s.request(wire.GET, wire.DIRECTORY, tries=10) is not None:
             break
-    statuses = len(s.listen(1.5 + s.lag_s("iocard"))["iocard"])
+    statuses = len(s.hear("iocard", 1.5))
     since_s = s.world.now_s
     s.run(1.0, None)
     speed = max((abs(x.speed[0]) for x in s.sampled(since_s, None)), default=0.0)

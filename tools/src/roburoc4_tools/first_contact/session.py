@@ -224,6 +224,14 @@ class Session:
                 heard[names[status.service]].append(status)
         return heard
 
+    def hear(self, service: str, seconds: float, port: int | None = _PORT) -> list[wire.Status]:
+        """Return a service's statuses of the next seconds, and those that come later."""
+        return self.listen(seconds + self.lag_s(service), port)[service]
+
+    def heard_of(self, service: str) -> list[wire.Status]:
+        """Return its statuses at our first port since the last time that all were forgotten."""
+        return [x for x in self.statuses if x.service == self.ids[service] and not x.port]
+
     # ---- speeds
 
     def command(self, linear_m_s: float, angular_rad_s: float, *, powerless: bool = False) -> None:

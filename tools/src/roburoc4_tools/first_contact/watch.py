@@ -40,7 +40,7 @@ def decoded(s: Session, payload: bytes) -> tuple[list[float], list[bool]]:
 
 
 def _inputs(s: Session) -> tuple[list[float], list[bool]]:
-    heard = s.listen(1.6 + s.lag_s("iocard"))["iocard"]
+    heard = s.hear("iocard", 1.6)
     return decoded(s, heard[-1].payload) if heard else ([], [])
 
 
@@ -111,7 +111,7 @@ def _battery(s: Session, values: list[float]) -> str:
     if "battery" not in s.usable:
         return said
     s.subscribe("battery", 20)
-    heard = s.listen(1.5 + s.lag_s("battery"))["battery"]
+    heard = s.hear("battery", 1.5)
     _end(s, "battery")
     if not heard or heard[-1].payload[0] >= len(_BATTERY_STATES):
         return said
@@ -127,9 +127,7 @@ def sticks(s: Session) -> None:
         s.statuses.clear()
         s.please(key, text)
         s.pump(0.3)
-        heard = [
-            decoded(s, x.payload) for x in s.statuses if x.service == s.ids["iocard"] and not x.port
-        ]
+        heard = [decoded(s, x.payload) for x in s.heard_of("iocard")]
         s.watched.append([text, _sequence(rest, heard)])
 
 
@@ -189,7 +187,7 @@ def telemeters(s: Session) -> None:
 
 
 def _distances(s: Session) -> str:
-    heard = s.listen(1.6 + s.lag_s("telemeter"))["telemeter"]
+    heard = s.hear("telemeter", 1.6)
     count = int(s.known["reported_distances"])
     if not heard:
         return "nothing"

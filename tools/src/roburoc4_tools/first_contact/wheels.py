@@ -233,13 +233,9 @@ def reports(s: Session) -> None:
     s.unsubscribe("differential")
 
 
-def _differential(s: Session) -> list[wire.Status]:
-    return [x for x in s.statuses if x.port == 0 and x.service == s.ids["differential"]]
-
-
 def _keep_noise(s: Session) -> None:
     """Half of the range in which steady speeds are reported."""
-    found = {struct.unpack_from("<f", x.payload, 4)[0] for x in _differential(s)}
+    found = {struct.unpack_from("<f", x.payload, 4)[0] for x in s.heard_of("differential")}
     if len(found) > 5:
         noise = (max(found) - min(found)) / 2 * (1 + 2 / len(found))
         s.learn("speed_noise", round(min(noise, 0.02), 5) if noise > 5e-4 else 0.0)
@@ -248,7 +244,7 @@ def _keep_noise(s: Session) -> None:
 
 
 def _keep_refresh(s: Session) -> None:
-    heard = _differential(s)
+    heard = s.heard_of("differential")
     stamps = [x.cycles for x in heard]
     spans = [b - a for a, b in pairwise(stamps)]
     period = int(s.known["min_period_cycles"])
@@ -364,9 +360,8 @@ def _expect_pad_a(s: Session, pressed: bool, from_s: float, to_s: float) -> None
     index = int(s.known["override_index"])
     seen_s = [
         x.at_s
-        for x in s.statuses
-        if x.service == s.ids["iocard"] and not x.port and x.at_s > from_s - 0.3
-        if decoded(s, x.payload)[1][index] == pressed
+        for x in s.heard_of("iocard")
+        if x.at_s > from_s - 0.3 and decoded(s, x.payload)[1][index] == pressed
     ]
     first = seen_s[0] if seen_s else math.inf
     most_s = s.lag_s("iocard") + 2 * CYCLE_S * (s.known["min_period_cycles"] + 1)
@@ -551,11 +546,7 @@ def _travel(s: Session, command: tuple[float, float]) -> tuple[list[float], list
     _rest(s)
     spans = list(pairwise(s.sampled(since_s, None)))
     s.pump(1.0)
-    poses = [
-        struct.unpack_from("<3d", x.payload)
-        for x in s.statuses
-        if x.port == 0 and x.service == s.ids["localization"]
-    ]
+    poses = [struct.unpack_from("<3d", x.payload) for x in s.heard_of("localization")]
     way = turn = 0.0
     for a, b in pairwise(poses):
         way += (b[0] - a[0]) * math.cos(a[2]) + (b[1] - a[1]) * math.sin(a[2])
