@@ -283,7 +283,9 @@ static void lower_bound(roburoc4_private_link *l, uint32_t late_us, uint32_t by_
     } else {
         rise_us = by_us = 0;
     }
-    l->lowered = by_us != 0 ? 0 : l->lowered;
+    if (by_us != 0) {
+        l->lowered = 0;
+    }
     l->floor_us += rise_us;
     l->floor_age_us = age_us - (by_us - rise_us);
     l->proven_us = now_us;

@@ -402,8 +402,8 @@ static slot *find_id(requests *r, const uint8_t *datagram, size_t size, uint32_t
     return NULL;
 }
 
-/** The request that an error without an id refuses: the oldest, unless it may be another text, or
- * that is one and another request was abandoned meanwhile. */
+/** The request that an error without an id refuses: the oldest. A text only if neither another one
+ * nor an abandoned request can be meant. */
 static slot *match_error(requests *r, const candidates *found, size_t size, uint32_t now_us) {
     slot *s = found->oldest;
     if (is_text(s) && (found->count > 1 || !r->single_texts || r->quiet)) {
