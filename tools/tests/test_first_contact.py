@@ -88,6 +88,42 @@ def test_a_robot_that_the_library_would_not_drive_for_long_stays_off_the_ground(
         ground.stay_armed(robot)
 
 
+def test_a_robot_on_which_the_library_does_not_stay_armed_is_not_lifted_down(
+    tmp_path: Path,
+) -> None:
+    contact, world = Contact(Mock(now_s=0.0)), Mock()
+    robot_file.save(tmp_path / "robot.txt", {"override_index": 8})
+    with Simulator(port=0, queue_iocard_ms=1500) as sim:  # beyond the patience of tests
+        options = Mock(folder=tmp_path, robot=sim.address)
+        first_contact._ground(contact, options, world, "drive.pcapng")
+        assert sim.state.nonzero_speed_commands == 0
+    assert contact.refused is not None
+    assert contact.refused.reason == "stays_not_armed"
+    world.please.assert_not_called()
+
+
+def test_before_it_is_lifted_down_people_mend_what_they_can_and_then_it_is_disarmed(
+    tmp_path: Path,
+) -> None:
+    asked: list[str] = []
+    with Simulator(port=0) as sim, sim.connect() as robot:
+        sim.set("pad_a", 1)
+        robot.sleep(0.5)
+        world = Mock()
+
+        def mend(key: str, text: str) -> None:
+            asked.append(text)
+            assert robot.facts.armed is False
+            sim.set("pad_a", 0)
+            robot.sleep(1.0)
+
+        world.please.side_effect = mend
+        first_contact.stand_armed(robot, world)
+        assert robot.facts.armed is False
+    assert len(asked) == 1
+    assert "not armed" in asked[0]
+
+
 def test_it_does_not_drive_while_the_way_is_not_free() -> None:
     answers = ["no", "yes", "yes"]
 

@@ -8,7 +8,7 @@ import json
 import sys
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from . import session
 from .errors import ExitCode, refused, unwritable, usage
@@ -32,6 +32,11 @@ _CHECKLIST = (
     "The remote's green button, then the green button of the panel; the game pad is on.",
     "Nobody else's program talks to the robot.",
 )
+_LIFT_DOWN = (
+    "Robot on the ground, 5 m free all around. It will move 1 m, turn left by 90 degrees, and stop "
+    "from 0.3 and 0.6 m/s. If not: emergency stop."
+)
+_T = TypeVar("_T")
 
 
 class ContactOptions(Options):
@@ -144,15 +149,9 @@ def known_robots() -> dict[str, dict[str, float]]:
 
 
 def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, name: str) -> None:
-    from ..first_contact import bundle, ground
+    from ..first_contact import bundle
     from ..first_contact.session import UnsafeError
     from ..recordings.capture import Capture
-
-    world.please(
-        "ground",
-        "Robot on the ground, 5 m free all around. It will move 1 m, turn left "
-        "by 90 degrees, and stop from 0.3 and 0.6 m/s. If not: emergency stop.",
-    )
 
     def ask(text: str) -> str:
         answer = world.ask("measured", text)
@@ -165,7 +164,8 @@ def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, nam
         settings = {"robot_file": options.folder / _FILE, "record": Path(private) / "drive.pcapng"}
         try:
             with session.connected(options, **settings, **unscaled) as robot:
-                ground.stay_armed(robot)
+                stand_armed(robot, world)
+                world.please("ground", _LIFT_DOWN)
                 found = drive_on_the_ground(robot, world, ask)
         except UnsafeError as reason:
             contact.refused = reason
@@ -178,20 +178,40 @@ def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, nam
             _keep(contact, options.folder, name)
 
 
+def stand_armed(robot: Robot, world: TerminalWorld) -> None:
+    """Ask whether the library stays armed, before anybody lifts the robot down."""
+    from ..first_contact import ground
+
+    world.say(
+        f"\nDo not lift the robot yet. Does the library stay armed for {ground.STANDING_S:.0f} s? "
+        "Nothing moves."
+    )
+    _until_done(robot, world, lambda: ground.stay_armed(robot), "")
+
+
 def drive_on_the_ground(
     robot: Robot, world: TerminalWorld, ask: Callable[[str], str]
 ) -> dict[str, float]:
     """Drive, from the begin once more if the robot was stopped."""
+    from ..first_contact import ground
+
+    def drive() -> dict[str, float]:
+        world.hold("Hold the space bar; the robot stops when it is let go.")
+        robot.arm()
+        return ground.drive(robot, world.held, ask)
+
+    return _until_done(robot, world, drive, " 5 m free all around again?")
+
+
+def _until_done(robot: Robot, world: TerminalWorld, deed: Callable[[], _T], question: str) -> _T:
+    """Do it, from the begin once more after what people can mend."""
     from roburoc4 import ClosedError, RobotError
 
-    from ..first_contact import ground
     from ..first_contact.session import ReleasedError
 
     while True:
-        world.hold("Hold the space bar; the robot stops when it is let go.")
         try:
-            robot.arm()
-            return ground.drive(robot, world.held, ask)
+            return deed()
         except ReleasedError:
             reason = "the key was let go"
         except ClosedError:
@@ -199,4 +219,4 @@ def drive_on_the_ground(
         except RobotError as error:
             reason = str(error)
         robot.stop()
-        world.please("again", f"Stopped: {reason}. 5 m free all around again? Once more?")
+        world.please("again", f"Stopped: {reason}.{question} Once more?")

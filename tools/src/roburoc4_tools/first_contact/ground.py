@@ -17,27 +17,29 @@ _BRAKING_S = 0.65
 _FASTER_S = 2.5
 _RENEW_S = 0.05
 _LEAST, _MOST = 0.5, 2.0
-_STANDING_S = 5.0
+STANDING_S = 5.0
 
 
 def stay_armed(robot: Robot) -> None:
-    """Refuse a robot that the library would not drive for long, before it moves."""
+    """Refuse a robot that the library would not drive for long, while it stands; then disarm."""
     from roburoc4 import NotArmedError, Result
 
     try:
         robot.arm()
-        end_s = robot.now_s + _STANDING_S
+        end_s = robot.now_s + STANDING_S
         while robot.now_s < end_s:
             robot.drive(0.0, 0.0)
             robot.sleep(_RENEW_S)
     except NotArmedError as error:
         if error.code not in (Result.STALE_DIFFERENTIAL, Result.STALE_IOCARD):
-            return  # what people can mend, they are asked to
+            raise  # what people can mend
         raise UnsafeError(
             "stays_not_armed",
             f"The library does not stay armed although the robot stands: {error}. How late its "
             "statuses and answers are, is in robot.txt (queue_...).",
         ) from None
+    finally:
+        robot.stop()
 
 
 def drive(robot: Robot, held: Callable[[], bool], ask: Callable[[str], str]) -> dict[str, float]:
