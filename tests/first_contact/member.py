@@ -281,10 +281,10 @@ class VirtualWorld(World):
 
     def hold(self, text: str) -> None:
         self.asked.append("hold")
-        if not self.holds:
+        if not self.held():
             self.let_go.append((self.let_go_at_s, self.now_s))
+            self.let_go_at_s = math.inf
         self.holds = True
-        self.let_go_at_s = math.inf
 
     def held(self) -> bool:
         if self.now_s >= self.let_go_at_s:

@@ -159,6 +159,8 @@ class Person:
     def _obey(self, line: str) -> None:
         if line.startswith("Step "):
             self.steps.append((line.partition(".")[0], time.monotonic() - BEGUN_S))
+        elif line.startswith("Let the space bar go"):
+            self._holds_since_s = math.inf
         elif line.startswith("Hold the space bar"):
             self._holds_since_s = time.monotonic() + self._people.uniform(1.0, 3.0)
         elif line.startswith("0 - now"):

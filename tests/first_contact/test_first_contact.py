@@ -148,6 +148,52 @@ class FirstContact(unittest.TestCase):
         assert spoken == ["stops"]
         assert "hold" in world.asked
 
+    def test_each_step_that_moves_waits_for_the_key_to_be_pressed_anew(self) -> None:
+        contact = self.contact(DRIVEN)
+        world, s = contact.session.world, contact.session
+        holds: list[float] = []
+        hold = world.hold
+        world.hold = lambda text: (holds.append(world.now_s), hold(text))
+        begun = [(step, world.now_s) for step in contact.steps()]
+        begun.append((STEPS[-1], math.inf))
+        for (step, from_s), (_next, to_s) in pairwise(begun):
+            driven = [at_s for at_s, v in commands(s) if any(v) and from_s <= at_s < to_s]
+            pressed = [at_s for at_s in holds if from_s <= at_s < to_s]
+            if step.moves:
+                assert pressed[0] <= driven[0], step.name
+            else:
+                assert driven == [], step.name
+
+    def test_a_key_that_is_still_held_does_not_count_as_pressed_anew(self) -> None:
+        for reports_releases in (False, True):
+            with self.subTest(reports_releases=reports_releases):
+                self.hold_over(reports_releases)
+
+    def hold_over(self, reports_releases: bool) -> None:
+        """Hold the key since before the question, let it go for 0.5 s, and press it anew."""
+        keyboard = mock.Mock(reports_releases=reports_releases)
+        world = TerminalWorld("127.0.0.1", 9, keyboard)
+        let_go_s = world.now_s + 1.5
+        again_s = let_go_s + 0.5
+        typed_s = 0.0
+
+        def keys(_seconds: float) -> list[Key]:
+            nonlocal typed_s
+            now_s = world.now_s
+            if let_go_s <= now_s < again_s:
+                return [Key(" ", "release")] if reports_releases else []
+            if now_s < typed_s + 0.03:
+                return []
+            typed_s = now_s
+            return [Key(" ", "press")]
+
+        keyboard.keys.side_effect = keys
+        said: list[str] = []
+        with mock.patch.object(TerminalWorld, "say", side_effect=said.append):
+            world.hold("Hold it.")
+        assert world.now_s >= again_s
+        assert said == ["  Let the space bar go first.", "  Hold it."]
+
     def test_let_go_at_any_time_of_any_step_no_speed_is_sent_until_it_is_held_again(self) -> None:
         contact = self.contact(DRIVEN)
         world, s = contact.session.world, contact.session

@@ -108,10 +108,9 @@ class Session:
         return answer
 
     def hold(self) -> None:
-        """Before the robot moves, wait until the key is held."""
-        if not self.world.held():
-            self.world.hold("Hold the space bar; the robot stops when it is let go.")
-            self.pump(0.0)
+        """Before the robot moves, wait until the key is pressed for this, whoever still held it."""
+        self.world.hold("Hold the space bar; the robot stops when it is let go.")
+        self.pump(0.0)
 
     # ---- datagrams
 

@@ -132,9 +132,15 @@ class TerminalWorld(World):
         self._count.append((zero_s, "  0 - now"))
 
     def hold(self, text: str) -> None:
-        """Wait for the space bar."""
+        """Wait until the space bar is pressed anew."""
+        if self.held():
+            self.say("  Let the space bar go first.")
+            self._until_held(False)
         self.say(f"  {text}")
-        while not self.held():
+        self._until_held(True)
+
+    def _until_held(self, wanted: bool) -> None:
+        while self.held() != wanted:
             select.select(list(self._sockets.values()), [], [], _TICK_S)
 
     def held(self) -> bool:

@@ -53,7 +53,7 @@ class World(ABC):
 
     @abstractmethod
     def hold(self, text: str) -> None:
-        """Wait until the person holds that key."""
+        """Wait until the person presses that key anew: one that is held must be let go first."""
 
     @abstractmethod
     def held(self) -> bool:
