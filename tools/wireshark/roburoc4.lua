@@ -238,6 +238,10 @@ local flows -- by address and port of the sender, then of the receiver
 -- By number: a context, which frames share as long as nothing changes, or a record with what was
 -- concluded of one frame, on top of its context.
 local frames
+-- By port: the latest address with it and its key, since writing an address costs far more than
+-- comparing it.
+local latest_ends
+local watchdog_ms, late_limit_ms -- of the preferences: looking them up costs as much as a status
 
 local MANUAL_KINDS = {[0] = "directory", "notification", "iocard", "telemeter", "battery",
     "localization", "differential"}
@@ -256,7 +260,8 @@ local RESTART_CYCLES = 100
 local CYCLE_S = 0.01
 
 function roburoc4.init()
-    robots, flows, frames = {}, {}, {}
+    robots, flows, frames, latest_ends = {}, {}, {}, {}
+    watchdog_ms, late_limit_ms = roburoc4.prefs.watchdog_ms, roburoc4.prefs.late_ms
 end
 
 local function new_robot()
@@ -268,9 +273,17 @@ local function new_client()
     return {pending = {}, periods = {}, last = {}, steps = {}}
 end
 
+local function end_key(address, port)
+    local latest = latest_ends[port]
+    if latest == nil or latest.address ~= address then
+        latest = {address = address, key = tostring(address) .. " " .. port}
+        latest_ends[port] = latest
+    end
+    return latest.key
+end
+
 local function side_keys(pinfo)
-    return tostring(pinfo.src) .. " " .. tostring(pinfo.src_port),
-        tostring(pinfo.dst) .. " " .. tostring(pinfo.dst_port)
+    return end_key(pinfo.src, pinfo.src_port), end_key(pinfo.dst, pinfo.dst_port)
 end
 
 -- Whether the bytes look like what a client sends.
@@ -476,8 +489,8 @@ local function learn_lateness(record, v, pinfo)
     if client.offset == nil or offset < client.offset then
         client.offset = offset
     end
-    local late = late_ms(client.offset, v, pinfo)
-    if late >= roburoc4.prefs.late_ms then
+    local late = (offset - client.offset) * 1000
+    if late >= late_limit_ms then
         note(record, "late", string.format("This status came %.0f ms late", late))
     end
 end
@@ -521,10 +534,10 @@ end
 local function learn_command(record, v, pinfo)
     local robot = record.robot
     local waited_ms = robot.commanded_at and (pinfo.rel_ts - robot.commanded_at) * 1000
-    if robot.moving and not robot.watchdog_tripped and waited_ms <= roburoc4.prefs.watchdog_ms and
-        waited_ms > roburoc4.prefs.watchdog_ms / 2 then
+    if robot.moving and not robot.watchdog_tripped and waited_ms <= watchdog_ms and
+        waited_ms > watchdog_ms / 2 then
         note(record, "watchdog_due", string.format("%.0f ms passed without a command: "
-            .. "the robot's watchdog stops it after %d", waited_ms, roburoc4.prefs.watchdog_ms))
+            .. "the robot's watchdog stops it after %d", waited_ms, watchdog_ms))
     end
     robot.commanded_at = pinfo.rel_ts
     robot.moving = v.linear_m_s ~= 0 or v.angular_rad_s ~= 0
@@ -537,7 +550,7 @@ local function watch_the_watchdog(record, pinfo)
         return
     end
     local waited_ms = (pinfo.rel_ts - robot.commanded_at) * 1000
-    if waited_ms > roburoc4.prefs.watchdog_ms then
+    if waited_ms > watchdog_ms then
         robot.watchdog_tripped = true
         note(record, "watchdog_tripped", string.format(
             "No command for %.0f ms: the robot's watchdog has stopped it", waited_ms))
@@ -1099,7 +1112,8 @@ local icmp_type = Field.new("icmp.type")
 function roburoc4.dissector(buf, pinfo, root)
     local tree = root:add(roburoc4, buf())
     local is_quoted = icmp_type() ~= nil -- in the network's report that it was not delivered
-    local record = not is_quoted and frames[pinfo.number]
+    local number = pinfo.number
+    local record = not is_quoted and frames[number]
     local is_new = not record
     local flow, context
     if is_new then
@@ -1124,14 +1138,14 @@ function roburoc4.dissector(buf, pinfo, root)
         elseif v.what == "status" then
             record.offset = flow.client.offset
         end
-        frames[pinfo.number] = record
+        frames[number] = record
     end
     if reader ~= nil then
         check_layout(reader, v)
     elseif v.assumed then
         tree:add_proto_expert_info(experts.counts)
     end
-    if not v.short then
+    if v.kind == "differential" and not v.short then
         check_speeds(tree, v, record.limits)
     end
     if reader ~= nil then
@@ -1139,8 +1153,9 @@ function roburoc4.dissector(buf, pinfo, root)
     end
     show_notes(tree, record)
     if not is_quoted then
-        pinfo.cols.protocol = "RobuROC4"
-        pinfo.cols.info = v.title .. (v.info and ": " .. v.info or "")
+        local cols = pinfo.cols
+        cols.protocol = "RobuROC4"
+        cols.info = v.title .. (v.info and ": " .. v.info or "")
     end
     if is_shown then
         tree:append_text(", " .. v.title)
