@@ -21,6 +21,7 @@ SERVICES = ("iocard", "telemeter", "battery", "localization", "differential")
 FASTEST = 2.5
 """m/s or rad/s that no step asks for: a robot whose limit of acceleration is far below what its
 response needs swings higher and higher."""
+LATEST_MS = 450
 _PLAIN_TYPE = 0x7100
 
 
@@ -52,23 +53,35 @@ class Member:
             return {"no_speeds"}
         if t["max_subscriptions"] < 2:
             return {"list_full"}
+        found: set[str | None] = set()
+        for service in ("iocard", "differential"):
+            late_ms = t["queue_uplink_ms"] + t[f"queue_{service}_ms"]
+            if late_ms - self._queue_within_ms() > LATEST_MS:
+                return {"late"}
+            if late_ms + self._queue_within_ms() > LATEST_MS:
+                found.add("late")
         late_ms = t["queue_uplink_ms"] + t["queue_differential_ms"]
         late_ms += 10 * t["dead_time_cycles"] * t["late_targets"]
         least_ms = late_ms
         most_ms = late_ms + 10 * t["min_period_cycles"] + 10 * t["odometry_period_cycles"] + 20
-        found: set[str | None] = set()
-        if most_ms > 450:
+        if most_ms > LATEST_MS:
             found.add("late")
-        if least_ms > 450:
+        if least_ms > LATEST_MS:
             return found
         if t["watchdog_cycles"] > 205:
             return found | {"slow_watchdog"}
         if t["watchdog_cycles"] >= 200:
             found.add("slow_watchdog")
         scale = t["odometry_scale"]
-        if "localization" not in self.usable or not 0.49 <= scale <= 2 or t["odometry_mirrored"]:
+        if "localization" not in self.usable:
+            return found | {"no_localization"}
+        if not 0.49 <= scale <= 2 or t["odometry_mirrored"]:
             return found | {"odometry"}
         return found | ({"odometry"} if scale < 0.51 else set()) | {None}
+
+    def _queue_within_ms(self) -> float:
+        """Return how well a queue is found: a status leaves within a period and a cycle of it."""
+        return 5 * (self.t["min_period_cycles"] + 3)
 
     def _texts(self) -> tuple[int, int]:
         """Return which bits can be seen, and what they are."""
@@ -122,10 +135,9 @@ class Member:
             yield "surplus_bytes", t["surplus_bytes"], 0
             if "telemeter" in usable:
                 yield "reported_distances", min(t["telemeters"], t["reported_distances"]), 0
-        # A status leaves within a period and a cycle of when it is due, and so does what is asked.
         for service in usable:
             late_ms = t["queue_uplink_ms"] + t[f"queue_{service}_ms"]
-            yield f"queue_{service}_ms", late_ms, 5 * (t["min_period_cycles"] + 3)
+            yield f"queue_{service}_ms", late_ms, self._queue_within_ms()
         most = t["max_subscriptions"]
         if most > 1:
             yield "subscription_lists", t["subscription_lists"], 0

@@ -463,22 +463,25 @@ class FirstContact(unittest.TestCase):
         assert "refused_inserts" not in contact.session.known
 
     def test_a_robot_that_endangers_is_refused_with_the_reason(self) -> None:
-        for change, reason in (
-            ({"hidden_services": 64}, "no_differential"),
-            ({"digital_inputs": 5}, "no_game_pad"),
-            ({"refused_inserts": 4}, "no_inputs"),
-            ({"max_subscriptions": 1}, "list_full"),
-            ({"queue_uplink_ms": 400, "queue_differential_ms": 300}, "late"),
-            ({"watchdog_cycles": 3000}, "slow_watchdog"),
-            ({"odometry_mirrored": 1}, "odometry"),
+        late_targets = {"dead_time_cycles": 15, "late_targets": 1, "queue_differential_ms": 400}
+        for change, reason, is_still in (
+            ({"hidden_services": 64}, "no_differential", True),
+            ({"digital_inputs": 5}, "no_game_pad", True),
+            ({"refused_inserts": 4}, "no_inputs", True),
+            ({"max_subscriptions": 1}, "list_full", True),
+            ({"queue_iocard_ms": 670}, "late", True),
+            ({"queue_uplink_ms": 400, "queue_differential_ms": 300}, "late", True),
+            (late_targets, "late", False),
+            ({"watchdog_cycles": 3000}, "slow_watchdog", False),
+            ({"hidden_services": 32}, "no_localization", False),
+            ({"odometry_mirrored": 1}, "odometry", False),
         ):
             with self.subTest(reason=reason):
                 contact = self.contact(DRIVEN, **change)
                 moved = [step.name for step in contact.steps() if step.moves]
                 assert contact.refused is not None
                 assert contact.refused.reason == reason
-                if reason.startswith("no_") or reason == "list_full":
-                    assert moved == []
+                assert is_still == (moved == [])
 
 
 if __name__ == "__main__":

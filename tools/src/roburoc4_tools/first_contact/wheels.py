@@ -46,6 +46,13 @@ def may_be_driven(s: Session) -> None:
     for name in ("linear_m_s", "angular_rad_s"):
         if not s.known.get(f"min_{name}", 0.0) < 0.0 < s.known.get(f"max_{name}", 0.0):
             raise UnsafeError("limits", "The robot's speed limits make no sense.")
+    for service, what in (("iocard", "That [A] is held"), ("differential", "How fast it is")):
+        if s.lag_s(service) > LATEST_S:
+            raise UnsafeError(
+                "late",
+                f"{what}, the robot reports {s.lag_s(service):.2f} s late; later than "
+                f"{LATEST_S:g} s, nobody can drive it safely.",
+            )
 
 
 def lift(s: Session) -> None:
@@ -566,6 +573,8 @@ def may_leave_the_stand(s: Session) -> None:
             "When the link breaks, this robot drives on for longer than 2 s: set Watchdog in "
             "its udpserver.cfg.",
         )
+    if "localization" not in s.usable:
+        raise UnsafeError("no_localization", "The robot reports no pose, which moves need.")
     scale = s.known.get("odometry_scale")
     if scale is None or not 0.5 <= scale <= 2.0 or s.known.get("odometry_mirrored"):
         raise UnsafeError("odometry", "The pose does not follow the wheels: moves would be wrong.")
