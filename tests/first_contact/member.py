@@ -114,6 +114,8 @@ class VirtualWorld(World):
         """How often nothing is done at the end of which countdown."""
         self.other_sender: tuple[float, float] | None = None
         self.asked: list[str] = []
+        self.said: list[tuple[float, float, str]] = []
+        """From when until when people read what, and did it."""
         self.holds = True
         self.fastest = 0.0
         self.let_go_at_s = math.inf
@@ -222,8 +224,19 @@ class VirtualWorld(World):
         numbers = [ctypes.c_double(v) for v in (x_m, y_m, 0.01, 0.01, 0.0)]
         self._c.roburoc4_sim_add_box(self._sim, *numbers)
 
+    def say(self, text: str) -> None:
+        self._say(self.now_s, text)
+
+    def _say(self, from_s: float, text: str) -> None:
+        self.said.append((from_s, self.now_s, text))
+
     def please(self, key: str, text: str) -> None:
         self.asked.append(key)
+        from_s = self.now_s
+        self._please(key)
+        self._say(from_s, text)
+
+    def _please(self, key: str) -> None:
         if key == "restart":
             self._set(_POWER, 0)
             self._act(5.0)
@@ -260,12 +273,14 @@ class VirtualWorld(World):
 
     def ask(self, key: str, text: str) -> str:
         self.asked.append(key)
+        self.say(text)
         if key == "battery_v":
             return f"{self._c.sim_battery_voltage(self._sim):.1f}"
         return "yes"
 
     def countdown(self, key: str, text: str, seconds: float) -> None:
         self.asked.append(key)
+        self.say(text)
         if self.misses.get(key):
             self.misses[key] -= 1
             return
@@ -281,6 +296,7 @@ class VirtualWorld(World):
 
     def hold(self, text: str) -> None:
         self.asked.append("hold")
+        self.say(text)
         if not self.held():
             self.let_go.append((self.let_go_at_s, self.now_s))
             self.let_go_at_s = math.inf

@@ -17,7 +17,7 @@ import zipfile
 from collections.abc import Iterator
 from contextlib import suppress
 from datetime import date
-from itertools import pairwise
+from itertools import islice, pairwise
 from pathlib import Path
 from unittest import mock
 
@@ -461,6 +461,46 @@ class FirstContact(unittest.TestCase):
         assert contact.refused is not None
         assert contact.refused.reason == "no_statuses"
         assert "refused_inserts" not in contact.session.known
+
+    def test_who_waits_for_longer_than_some_seconds_reads_for_what_and_for_how_long(self) -> None:
+        for changes in ({}, {"query_mode": 1, "queue_text_ms": 3000, "max_subscriptions": 3}):
+            contact = self.contact(DRIVEN, **changes)
+            world = contact.session.world
+            for step in contact.steps():
+                world.say(f"Step {step.name}")
+            world.say("The end.")
+            for (_from_s, begin_s, text), (end_s, _until_s, _next) in pairwise(world.said):
+                promised = re.search(r"up to (\d+) s", text)
+                longest_s = int(promised[1]) if promised else 5.5
+                assert end_s - begin_s <= longest_s + 0.1, (text, end_s - begin_s)
+
+    def test_a_switch_off_has_a_reason_and_a_count(self) -> None:
+        contact = self.contact(DRIVEN, delete_refused=1)
+        world = contact.session.world
+        for step in contact.steps():
+            if step.name == "sticks":
+                break
+        said = [text for *_when, text in world.said if "Switch the robot off" in text]
+        counts = [re.search(r"\((\d) of at most (\d)\)", text) for text in said]
+        assert len(said) > 10
+        assert all(text.startswith("The robot ends no subscription") for text in said)
+        found = [(int(each[1]), int(each[2])) for each in counts if each]
+        assert [k for k, _most in found] == [*range(1, 9), *range(1, 6)]
+        assert {most for k, most in found[:8]} == {8}
+        assert {most for k, most in found[8:]} == {5}
+
+    def test_what_is_missing_is_said_at_once_and_what_that_means(self) -> None:
+        for step, changes, text in (
+            ("network", {"hidden_services": 4}, "The robot has no iocard: nobody would see"),
+            ("network", {"digital_inputs": 0}, "The iocard has no digital inputs: nobody"),
+            ("network", {"hidden_services": 8}, "The robot has no telemeter: the step telem"),
+            ("network", {"hidden_services": 32}, "The robot has no localization: no pose"),
+            ("lengths", {"refused_inserts": 32}, "The robot does not report its localization"),
+        ):
+            with self.subTest(text=text):
+                contact = self.contact(DRIVEN, **changes)
+                assert step in [each.name for each in islice(contact.steps(), 6)]
+                assert any(text in said for *_when, said in contact.session.world.said)
 
     def test_a_robot_that_endangers_is_refused_with_the_reason(self) -> None:
         late_targets = {"dead_time_cycles": 15, "late_targets": 1, "queue_differential_ms": 400}

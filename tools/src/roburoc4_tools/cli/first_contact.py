@@ -85,9 +85,8 @@ def _run(options: ContactOptions) -> int:
         try:
             for number, step in enumerate(contact.steps(), len(contact.done) + 1):
                 _keep(contact, options.folder, name)  # a killed one goes on from here, too
-                title = f"Step {number} of {len(STEPS)}, {step.name}"
-                title += f", {step.lasts}" if step.lasts else ""
-                world.say(f"\n{title}. {step.moves or 'Nothing moves.'}")
+                title = f"Step {number} of {len(STEPS)}, {step.name}."
+                world.say(f"\n{title} {step.moves or 'Nothing moves.'}")
         except (KeyboardInterrupt, Signalled):
             note("interrupted: the same command goes on where this was")
             raise
@@ -115,8 +114,8 @@ def _resume(contact: Contact, options: ContactOptions, world: TerminalWorld) -> 
             done = ", ".join(contact.done) or "none"
             raise usage(f"--again: {options.again!r} is no step that was done: {done}")
         contact.done.remove(options.again)
-    for text in _CHECKLIST:
-        world.please("checklist", text)
+    for number, text in enumerate(_CHECKLIST, 1):
+        world.please("checklist", f"{number} of {len(_CHECKLIST)}: {text}")
     if began:
         note(f"going on after {len(contact.done)} steps")
         contact.rejoin()

@@ -17,8 +17,6 @@ class Step(NamedTuple):
     moves: str
     """What moves, how far, and what to do if it does something else; "": nothing moves."""
     run: Callable[[Session], None]
-    lasts: str = ""
-    """How long nobody is asked anything, if that is so long that they wonder."""
 
 
 _WHEELS = "In the air, the wheels turn {}. If they do not stop: emergency stop."
@@ -28,7 +26,7 @@ STEPS = (
     Step("network", "", network.network),
     Step("errors", "", identify.errors),
     Step("texts", "", identify.texts),
-    Step("subscriptions", "", identify.subscriptions, "about two minutes"),
+    Step("subscriptions", "", identify.subscriptions),
     Step("lengths", "", identify.lengths),
     Step("inputs", "", watch.inputs),
     Step("sticks", "", watch.sticks),
@@ -95,7 +93,7 @@ class Contact:
     def rejoin(self) -> None:
         """Bring the robot to where the next step may begin, whoever had it meanwhile."""
         s = self.session
-        identify.restart(s)  # it may still report to the interrupted session
+        identify.restart(s, "The robot may still report to the interrupted session.")
         if len(self.done) == len(STEPS):
             s.please("motors_on", "Press the green button.")
         elif wheels.LIFTED_BY in self.done:
@@ -116,6 +114,7 @@ class Contact:
     def _run(self, step: Step) -> bool:
         s = self.session
         while True:
+            s.restarts, s.most_restarts = 0, 1
             try:
                 step.run(s)
             except ReleasedError:

@@ -7,14 +7,27 @@ import struct
 from itertools import pairwise
 
 from . import wire
-from .session import CYCLE_S, Session, SilentError, UnsafeError
+from .session import ANSWER_S, CYCLE_S, Session, SilentError, UnsafeError
 
 _TEXT_S = 3.5
+_HEARD_S = 1.5
+_PERIOD_S = 4.0
+_CLOSED_S = 15.0
 _START_S = 120.0
 _NO_SERVICE = 0xFFFE
 _NO_ACTION = 0x7E
 _SILENT_IN_A_ROW = 4
 _LONGEST_QUEUE_MS = 5000
+_CLEANED = 3
+"""How often subscriptions of all services are ended, beside each service's own."""
+NOT_ENDED = "The robot ends no subscription when asked to; only a restart does."
+_MEANS = {
+    "iocard": "nobody would see that [A] is held, so it ends before the wheels turn",
+    "telemeter": "the step telemeters is left out, and on the ground you look out for obstacles",
+    "localization": "no pose shows how far it moved, so it ends before it leaves the stand",
+    "differential": "it takes no speeds or does not show them, so it ends before the wheels turn",
+}
+"""What it means for the steps that follow if a service is missing."""
 _INPUTS = {0: "analog_inputs", 2: "digital_inputs"}
 
 
@@ -50,8 +63,18 @@ def directory(s: Session) -> None:
             s.learn(f"{service}_id", number)
             s.learn(f"{service}_type", kind)
             _keep(s, service, properties.payload)
+    missing = {name: f"The robot has no {name}" for name in _MEANS if name not in s.ids}
+    if s.known.get("digital_inputs") == 0:
+        missing["iocard"] = "The iocard has no digital inputs"
+    _tell_missing(s, missing)
     hidden = sum(4 << k for k, name in enumerate(wire.SERVICES) if name not in s.ids)
     s.learn("hidden_services", hidden)
+
+
+def _tell_missing(s: Session, missing: dict[str, str]) -> None:
+    for service, text in missing.items():
+        s.world.say(f"  {text}: {_MEANS[service]}.")
+        s.watched.append([f"{text}.", f"{_MEANS[service]}."])
 
 
 def _keep(s: Session, service: str, payload: bytes) -> None:
@@ -101,7 +124,8 @@ def texts(s: Session) -> None:
     answered: dict[tuple[int, bytes], wire.Answer] = {}
     silent_in_a_row = doubled = 0
     late_s = math.inf
-    for target, payload, _index in asked:
+    for number, (target, payload, _index) in enumerate(asked, 1):
+        s.progress("Texts", number, len(asked))
         if silent_in_a_row == _SILENT_IN_A_ROW:
             break
         sent_s = s.world.now_s
@@ -168,16 +192,22 @@ def _manner(answered: dict[tuple[int, bytes], wire.Answer]) -> int:
 def _clean(s: Session, ports: int = 1) -> None:
     """End all subscriptions, by a restart if the robot does not let us."""
     if s.known.get("delete_refused"):
-        restart(s)
+        restart(s, NOT_ENDED)
         return
     for port in range(ports):
         for service in s.ids:
             s.unsubscribe(service, port)
 
 
-def restart(s: Session) -> None:
+def restart(s: Session, why: str) -> None:
     """Switch the robot off and on, without its motors, and wait until it answers."""
-    s.please("restart", "Switch the robot off (E), wait 5 s, switch it on. No green button.")
+    s.restarts += 1
+    count = f" ({s.restarts} of at most {s.most_restarts})" if s.most_restarts > 1 else ""
+    s.please(
+        "restart",
+        f"{why} Switch the robot off (E), wait 5 s, switch it on. No green button{count}.",
+    )
+    s.lasts("Waiting until the robot answers", _START_S)
     while not _answers_within(s, _START_S):
         s.please("silent", "The robot does not answer: check its power and the cable.")
     s.pump(1.0)
@@ -191,7 +221,7 @@ def _answers_within(s: Session, seconds: float) -> bool:
     return False
 
 
-def _is_heard(s: Session, service: str, port: int = 0, seconds: float = 1.5) -> bool:
+def _is_heard(s: Session, service: str, port: int = 0, seconds: float = _HEARD_S) -> bool:
     return bool(s.hear(service, seconds, port))
 
 
@@ -201,35 +231,46 @@ def subscriptions(s: Session) -> None:
     refused = 0
     accepted: list[str] = []
     silent: list[str] = []
-    for service in sorted(s.ids, key=lambda name: name != "differential"):
+    s.most_restarts = len(s.ids) + _CLEANED
+    for number, service in enumerate(sorted(s.ids, key=lambda name: name != "differential"), 1):
+        s.lasts(
+            f"Subscribing to {service}, and ending that, {number} of {len(s.ids)}",
+            2 * (_HEARD_S + _LONGEST_QUEUE_MS / 1000),
+        )
         s.statuses.clear()
         asked_s = s.world.now_s
         answer = s.subscribe(service, 1)
-        s.pump(1.5)
+        s.pump(_HEARD_S)
         if answer is None or answer.error:
             refused |= 4 << wire.SERVICES.index(service)
         elif first_s := _first_arrival(s, service):
             accepted.append(service)
             if len(accepted) == 1:
+                s.lasts(
+                    "How often its statuses come, and whether they end",
+                    _PERIOD_S + 2 * _HEARD_S + first_s - asked_s,
+                )
                 _keep_period(s, service)
             asked_to_end_s = s.world.now_s
             answer = s.unsubscribe(service)
             if len(accepted) == 1:
                 s.learn("delete_refused", int(answer is None or bool(answer.error)))
             if not s.known["delete_refused"]:
-                s.pump(1.5 + first_s - asked_s)
+                s.pump(_HEARD_S + first_s - asked_s)
             _keep_queue(s, service, first_s - asked_s, asked_to_end_s)
         else:
             silent.append(service)
             s.unsubscribe(service)
         if s.known.get("delete_refused"):
-            restart(s)
+            restart(s, NOT_ENDED)
     if silent and not accepted:
         raise UnsafeError(
             "no_statuses",
             "The robot accepts subscriptions, but no status arrives: does a firewall drop them?",
         )
     s.learn("refused_inserts", refused)
+    refusing = [x for k, x in enumerate(wire.SERVICES) if refused & 4 << k and x in _MEANS]
+    _tell_missing(s, {name: f"The robot does not report its {name}" for name in refusing})
     for service in silent:
         s.watched.append([f"Subscribed to {service}.", "Accepted, but no status arrived."])
     s.usable = accepted
@@ -265,7 +306,7 @@ def _keep_queue(s: Session, service: str, first_s: float, asked_to_end_s: float)
 
 
 def _keep_period(s: Session, service: str) -> None:
-    heard = s.listen(4.0)[service]
+    heard = s.listen(_PERIOD_S)[service]
     spans = [b.at_s - a.at_s for a, b in pairwise(heard)]
     if not spans:
         raise SilentError
@@ -283,16 +324,19 @@ def _lists(s: Session, accepted: list[str]) -> None:
     """Subscribe from two ports, each with its own period."""
     s.begin()
     service = accepted[0]
+    s.lasts(
+        "Subscribing from two ports", 2 * (_HEARD_S + _PERIOD_S) + ANSWER_S + 3 * s.lag_s(service)
+    )
     s.subscribe(service, 25, 0)
     answer = s.subscribe(service, 50, 1)
-    s.pump(1.5 + s.lag_s(service))
-    first, second = (_period_of(s.listen(4.0, port)[service]) for port in (0, 1))
+    s.pump(_HEARD_S + s.lag_s(service))
+    first, second = (_period_of(s.listen(_PERIOD_S, port)[service]) for port in (0, 1))
     if answer is not None and not answer.error and first and second:
         s.learn("subscription_lists", 0 if abs(first - 25) < 5 else 1)
     elif answer is not None and not answer.error and second and len(accepted) > 1:
         # Did the first go because statuses go to the last one, or because there is room for one?
         s.subscribe(accepted[1], 50, 1)
-        s.pump(1.5 + s.lag_s(service))
+        s.pump(_HEARD_S + s.lag_s(service))
         if _is_heard(s, service, 1):
             s.learn("subscription_lists", 2)
     _clean(s, 2)
@@ -304,6 +348,7 @@ def _size(s: Session, accepted: list[str]) -> None:
     most, last = 30, s.known.get("subscription_lists") == 2
     entries: list[tuple[int, str]] = []
     for count in range(most):
+        s.progress("Subscriptions, until the robot's list is full", count + 1, most)
         port, service = count // len(accepted), accepted[count % len(accepted)]
         answer = s.subscribe(service, 20, port)
         if answer is None or answer.error:
@@ -332,11 +377,15 @@ def _closed_port(s: Session, service: str) -> None:
     """Close a port without a word, and see whether the robot still sends to it."""
     s.begin()
     port = 40
+    s.lasts(
+        "Whether statuses go on to a port that was closed",
+        _CLOSED_S + 2 * _HEARD_S + ANSWER_S + 3 * s.lag_s(service),
+    )
     s.subscribe(service, 20, port)
     if not _is_heard(s, service, port):
         return
     s.world.close(port)
-    s.pump(15.0 + s.lag_s(service))
+    s.pump(_CLOSED_S + s.lag_s(service))
     s.world.reopen(port)
     s.learn("keep_subscriptions", int(_is_heard(s, service, port)))
     s.unsubscribe(service, port)
@@ -349,9 +398,11 @@ def lengths(s: Session) -> None:
     if "analog_inputs" in s.known:
         blocks = (int(s.known["digital_inputs"]) + 7) // 8
         plain["iocard"] = 4 * int(s.known["analog_inputs"]) + blocks
-    for service in s.usable:
+    s.most_restarts = len(s.usable)
+    for number, service in enumerate(s.usable, 1):
+        s.progress("Length of statuses, services", number, len(s.usable))
         s.subscribe(service, 20)
-        heard = s.hear(service, 1.5)
+        heard = s.hear(service, _HEARD_S)
         s.unsubscribe(service)
         if not heard:
             raise SilentError
@@ -361,6 +412,6 @@ def lengths(s: Session) -> None:
         if service == "telemeter":
             distances = len(heard[-1].payload)
         if s.known.get("delete_refused"):
-            restart(s)
+            restart(s, NOT_ENDED)
     if "telemeter" in s.usable and "surplus_bytes" in s.known:
         s.learn("reported_distances", max(0, (distances - int(s.known["surplus_bytes"])) // 4))

@@ -5,13 +5,15 @@ import statistics
 from itertools import pairwise
 
 from . import wire
-from .session import CYCLE_S, MissedError, Session, UnsafeError
+from .session import ANSWER_S, CYCLE_S, MissedError, Session, UnsafeError
 
 _REQUESTS = 100
 _EVERY_S = 0.05
 _SHORTEST_S = 20.0
 _ENDS_S = 10.0
 _OUTAGE_S = 1.5
+_PULLED_S = 10.0
+_BACK_S = 15.0
 
 
 def network(s: Session) -> None:
@@ -20,6 +22,7 @@ def network(s: Session) -> None:
     trips_ms: list[float] = []
     commanded = 0
     for k in range(_REQUESTS):
+        s.progress("Questions", k + 1, _REQUESTS)
         due_s = s.world.now_s + _EVERY_S
         sent_s = s.world.now_s
         answer = s.request(wire.GET, wire.DIRECTORY, patience_s=1.0, tries=1)
@@ -78,6 +81,7 @@ def keep_clock(s: Session) -> None:
     clock = between_restarts(s.clock)
     if not clock or clock[-1][0] - clock[0][0] < _SHORTEST_S:
         hear_clock(s)
+        s.lasts("The robot's clock is compared with this computer's", 1.1 * _SHORTEST_S)
         s.pump(1.1 * _SHORTEST_S)
         clock = between_restarts(s.clock)
     if not clock or clock[-1][0] - clock[0][0] < _SHORTEST_S:
@@ -118,7 +122,8 @@ def outage(s: Session) -> None:
         raise MissedError("The cable was not pulled: the robot was heard all the time.")
     while True:
         s.please("cable_in", "Plug the network cable in again, and wait for its lamp.")
-        if s.request(wire.GET, wire.DIRECTORY, tries=10) is not None:
+        s.lasts("Waiting until the robot answers", _BACK_S)
+        if s.request(wire.GET, wire.DIRECTORY, tries=round(_BACK_S / ANSWER_S)) is not None:
             break
     statuses = len(s.hear("iocard", 1.5))
     since_s = s.world.now_s
@@ -140,10 +145,11 @@ def _pulled(s: Session) -> bool:
     """Drive until the cable was out for longer than the watchdog's time."""
     s.hold()
     s.stop()
-    s.world.countdown("cable_out", "Pull the network cable at 0.", 1.5)
     longest_s = s.known["robot_watchdog_ms"] / 1000 + _OUTAGE_S
+    s.lasts("The cable stays out until the next line", _PULLED_S + longest_s)
+    s.world.countdown("cable_out", "Pull the network cable at 0.", 1.5)
     s.run(
-        10.0 + longest_s,
+        _PULLED_S + longest_s,
         (0.1, 0.0),
         lambda: s.world.now_s - s.heard_s > longest_s + s.known["queue_answer_ms"] / 1000,
     )

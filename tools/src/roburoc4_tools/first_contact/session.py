@@ -17,8 +17,10 @@ CYCLE_S = 0.01
 COMMAND_S = 0.05
 MAX_M_S, MAX_RAD_S = 0.6, 1.2
 """No command of these steps is faster, but for one that is sent while there is no motor power."""
-_PATIENCE_S = 1.5
+ANSWER_S = 1.5
+STOP_S = 8.0
 _PORT = 0
+_PROGRESS_S = 3.0
 
 
 class ReleasedError(Exception):
@@ -78,6 +80,9 @@ class Session:
         self._driving = False
         """Whether the last command was a speed: then the key is held without commands, too."""
         self.usable: list[str] = []
+        self.restarts, self.most_restarts = 0, 1
+        """How often this step had the robot switched off, and how often it does so at most."""
+        self._progress_s = -math.inf
         self.responses: dict[int, Response] = {}
         self.notes: dict[str, float] = {}
         self.watched: list[list[str]] = []
@@ -95,6 +100,16 @@ class Session:
     def begin(self) -> None:
         """Begin a question."""
         self._since = len(self.log)
+
+    def lasts(self, what: str, seconds: float) -> None:
+        """Say what the people wait for now, and for how long at most."""
+        self.world.say(f"  {what}: up to {math.ceil(seconds)} s.")
+
+    def progress(self, what: str, number: int, count: int) -> None:
+        """Say how far a repetition is, with the first one and then every few seconds."""
+        if number == 1 or self.world.now_s > self._progress_s + _PROGRESS_S:
+            self._progress_s = self.world.now_s
+            self.world.say(f"  {what}: {number} of {count}.")
 
     def please(self, key: str, text: str) -> None:
         """Ask for something to be done."""
@@ -167,7 +182,7 @@ class Session:
         payload: bytes = b"",
         *,
         port: int = _PORT,
-        patience_s: float = _PATIENCE_S,
+        patience_s: float = ANSWER_S,
         tries: int = 2,
     ) -> wire.Answer | None:
         """Send a request and return its answer, an error too; None if there is none."""
@@ -261,7 +276,7 @@ class Session:
             if command is not None and self.world.now_s >= due_s - CYCLE_S / 2:
                 self.command(*command)
                 due_s += COMMAND_S
-            if self._asked and self.world.now_s > self._asked[-1][1] + _PATIENCE_S:
+            if self._asked and self.world.now_s > self._asked[-1][1] + ANSWER_S:
                 self._asked.clear()  # lost in a restart
             number = self.next_id()
             self._asked.append((number, self.world.now_s))
@@ -285,7 +300,7 @@ class Session:
         """Return the speeds since then, at least two, once all answers have arrived."""
         end_s = self.world.now_s - CYCLE_S / 2
         self.run(
-            _PATIENCE_S,
+            ANSWER_S,
             command,
             lambda: bool(self.samples) and self.samples[-1].asked_s >= end_s,
         )
@@ -316,5 +331,5 @@ class Session:
                 )
             )
 
-        self.run(8.0, (0.0, 0.0), rests)
+        self.run(STOP_S, (0.0, 0.0), rests)
         return rests()

@@ -94,8 +94,7 @@ class TerminalWorld(World):
             if key.action == "press" and len(key.name) == 1:
                 self._typed += key.name
 
-    @staticmethod
-    def say(text: str) -> None:
+    def say(self, text: str) -> None:
         """Print a line for the people."""
         sys.stderr.write(f"{text}\n")
         sys.stderr.flush()

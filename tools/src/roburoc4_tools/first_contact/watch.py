@@ -5,7 +5,7 @@ import math
 import struct
 
 from . import wire
-from .identify import restart
+from .identify import NOT_ENDED, restart
 from .session import Session, UnsafeError, number
 
 _BUMPERS = (
@@ -102,7 +102,7 @@ def _end(s: Session, service: str) -> None:
     """End a subscription, by a restart if the robot does not let us: its list may be short."""
     s.unsubscribe(service)
     if s.known.get("delete_refused"):
-        restart(s)
+        restart(s, NOT_ENDED)
         s.subscribe("iocard", 10)
 
 
@@ -166,14 +166,16 @@ def telemeters(s: Session) -> None:
     answer = s.request(wire.GET, s.ids["telemeter"])
     angles = wire.telemeter_angles(answer.payload) if answer is not None else []
     s.subscribe("telemeter", 10)
-    for k in range(int(s.known["reported_distances"])):
+    count = int(s.known["reported_distances"])
+    for k in range(count):
         points = (
             f", which points to {math.degrees(angles[k]):.0f} degrees" if k < len(angles) else ""
         )
         before = _distances(s)
         s.please(
             f"board_{k}",
-            f"Hold a board 0.5 m in front of telemeter {k}{points} (0 is forward, 90 left).",
+            f"Hold a board 0.5 m in front of telemeter {k}{points} (0 is forward, 90 left): "
+            f"{k + 1} of {count}.",
         )
         during = _distances(s)
         s.watched.append(

@@ -9,12 +9,26 @@ from . import wire
 from .identify import restart
 from .network import hear_clock, keep_clock, restarted
 from .response import Response, fit, simulate
-from .session import CYCLE_S, MAX_M_S, MAX_RAD_S, MissedError, Session, SilentError, UnsafeError
+from .session import (
+    ANSWER_S,
+    COMMAND_S,
+    CYCLE_S,
+    MAX_M_S,
+    MAX_RAD_S,
+    STOP_S,
+    MissedError,
+    Session,
+    SilentError,
+    UnsafeError,
+)
 from .watch import changed_inputs, decoded, digital_inputs
 
 LATEST_S = 0.45
 LONGEST_WATCHDOG_S = 2.0
 _DRAWN_S = 5.0
+_SLOW = (0.02, 0.05, 0.1)
+_SETTLE_S, _NOISE_S, _TRAVEL_S, _WATCHDOG_S = 12.0, 12.0, 3.0, 66.0
+_CHANGES = 160
 LIFTED_BY = "stops"
 _STEADY = 150
 """For how many cycles speeds must not change."""
@@ -58,9 +72,9 @@ def may_be_driven(s: Session) -> None:
 def lift(s: Session) -> None:
     """Have the robot put on its stand, and the emergency stop tried."""
     s.please("lift", "Wheels off the ground, on a stand that carries 140 kg. Nobody near them.")
-    s.please("estop_press", "Press the remote emergency stop.")
+    s.please("estop_press", "Press the remote emergency stop, so that you have tried it.")
     s.please("estop_release", "Release it.")
-    s.please("motors_on", "Press the green button.")
+    s.please("motors_on", "Press the green button: the emergency stop took the motors' power.")
 
 
 _DIRECTIONS = (
@@ -77,6 +91,7 @@ def stops(s: Session) -> None:
     _stop_or_refuse(s)
     for name, axis, sign, unit, question in _DIRECTIONS:
         s.hold()
+        s.lasts(f"{name.capitalize()}, slowly, then stop", len(_SLOW) * 2.0 + STOP_S + ANSWER_S)
         slowest = _slowest(s, axis, sign)
         _stop_or_refuse(s)
         if not slowest:
@@ -99,7 +114,7 @@ def _stop_or_refuse(s: Session) -> None:
 
 def _slowest(s: Session, axis: int, sign: int) -> float:
     """Return the slowest of some speeds at which the wheels turn; 0: at none of them."""
-    for speed in (0.02, 0.05, 0.1):
+    for speed in _SLOW:
         since_s = s.world.now_s
         s.run(2.0, _both(axis, sign * speed))
         last = [x.speed[axis] for x in s.sampled(since_s, None)[-20:]]
@@ -112,7 +127,7 @@ def _slowest(s: Session, axis: int, sign: int) -> float:
     return 0.0
 
 
-def _settle(s: Session, command: tuple[float, float], most_s: float = 12.0) -> None:
+def _settle(s: Session, command: tuple[float, float]) -> None:
     """Drive until the speeds do not change any more: for longer than at the peak of a swing."""
     begin_s = s.world.now_s
     axis = 1 if command[1] else 0
@@ -125,13 +140,18 @@ def _settle(s: Session, command: tuple[float, float], most_s: float = 12.0) -> N
             and max(last) - min(last) < 1e-3 * abs(command[axis])
         )
 
-    s.run(most_s, command, settled)
+    s.run(_SETTLE_S, command, settled)
+
+
+def _until_steady(s: Session, speed: float) -> None:
+    s.lasts(f"Forward at {speed:g} m/s until that is steady", _SETTLE_S)
+    _settle(s, (speed, 0.0))
 
 
 def _rest(s: Session) -> None:
     """Stop, and wait until nothing is left of the last speed."""
     s.stop()
-    s.run(8.0, (0.0, 0.0), lambda: all(max(map(abs, x.speed)) < 1e-6 for x in s.samples[-20:]))
+    s.run(STOP_S, (0.0, 0.0), lambda: all(max(map(abs, x.speed)) < 1e-6 for x in s.samples[-20:]))
 
 
 def responses(s: Session) -> None:
@@ -145,6 +165,10 @@ def responses(s: Session) -> None:
         speed = _speed(s, axis)
         for share in (1.0, 0.25):
             command = _both(axis, share * speed)
+            s.lasts(
+                f"A step to {share * speed:g} {('m/s', 'rad/s')[axis]}, and the stop",
+                3 * STOP_S + _SETTLE_S + ANSWER_S,
+            )
             _rest(s)
             since_s = s.world.now_s
             _settle(s, command)
@@ -215,7 +239,7 @@ def reports(s: Session) -> None:
     s.pump(1.0)
     s.statuses.clear()
     since_s = s.world.now_s
-    _settle(s, (speed, 0.0))
+    _until_steady(s, speed)
     arrived = [
         x.at_s
         for x in s.statuses
@@ -230,11 +254,13 @@ def reports(s: Session) -> None:
             "late", "Commands reach the robot, or reports come back, later than 0.45 s."
         )
     s.statuses.clear()
-    s.run(12.0, (speed, 0.0))
+    s.lasts("A steady speed", _NOISE_S)
+    s.run(_NOISE_S, (speed, 0.0))
     _keep_noise(s)
     s.statuses.clear()
-    for k in range(160):
-        s.run(0.05, (speed * (0.5 + 0.1 * (k * 7 % 5)), 0.2 * (k * 3 % 4)))
+    s.lasts("Changing speeds, and the stop", _CHANGES * COMMAND_S + STOP_S)
+    for k in range(_CHANGES):
+        s.run(COMMAND_S, (speed * (0.5 + 0.1 * (k * 7 % 5)), 0.2 * (k * 3 % 4)))
     _keep_refresh(s)
     s.stop()
     s.unsubscribe("differential")
@@ -284,10 +310,11 @@ def watchdog(s: Session) -> None:
     hear_clock(s)
     speed = _speed(s, 0)
     s.stop()
-    _settle(s, (speed, 0.0))
+    _until_steady(s, speed)
     last_s = s.commanded_s
     half = abs(speed * s.responses[0].gain) / 2
-    s.run(66.0, None, lambda: bool(s.samples) and abs(s.samples[-1].speed[0]) < 0.1 * half)
+    s.lasts("No commands until the wheels stop by themselves", _WATCHDOG_S + ANSWER_S + STOP_S)
+    s.run(_WATCHDOG_S, None, lambda: bool(s.samples) and abs(s.samples[-1].speed[0]) < 0.1 * half)
     samples = s.sampled(last_s, None)
     s.stop()
     if abs(samples[-1].speed[0]) > half:
@@ -331,12 +358,14 @@ def pad(s: Session) -> None:
     first, second = _speed(s, 0, 0.5), _speed(s, 0, 0.25)
     shift_s = s.responses[0].dead_cycles * CYCLE_S if s.known["late_targets"] else 0.0
     s.stop()
-    _settle(s, (first, 0.0))
+    _until_steady(s, first)
     zero_s = s.world.now_s + 1.5
     s.world.countdown("press_pad_a", "Hold [A] from 0 on, and touch no stick.", 1.5)
     s.run(2.5, (first, 0.0))
     lead_s = _lead(s, s.sampled(zero_s - 1.0, (first, 0.0)), first, zero_s + shift_s)
-    s.run(s.known["robot_watchdog_ms"] / 1000 + 1.0, (second, 0.0))
+    held_s = s.known["robot_watchdog_ms"] / 1000 + 1.0
+    s.lasts("Keep [A] held until the next countdown", held_s)
+    s.run(held_s, (second, 0.0))
     release_s = s.world.now_s + 1.5
     s.world.countdown("release_pad_a", "Let [A] go when the countdown reaches 0.", 1.5)
     # Before it is released; and it must be long enough before the watchdog trips.
@@ -400,7 +429,7 @@ def _comes_back(s: Session, target: float, shift_s: float, lead_s: float) -> boo
     """Whether the target from before [A] is obeyed after a short tap on it."""
     watchdog_s = s.known["robot_watchdog_ms"] / 1000
     s.stop()
-    _settle(s, (target, 0.0))
+    _until_steady(s, target)
     zero_s = s.world.now_s + 1.5
     s.world.countdown("tap_pad_a", "Tap [A] shortly when the countdown reaches 0.", 1.5)
     last_s = max(_EARLIEST_S / 2, 0.175 - watchdog_s / 2)
@@ -418,7 +447,7 @@ def _comes_back(s: Session, target: float, shift_s: float, lead_s: float) -> boo
 def _pad_target(s: Session) -> None:
     s.begin()
     s.stop()
-    s.please("press_pad_a", "Hold [A] again.")
+    s.please("press_pad_a", "Hold [A] again: now the game pad drives, and reports are compared.")
     s.please("pad_forward", "Press the right trigger a little, so that the wheels turn.")
     since_s = s.world.now_s
     s.run(4.0, None)
@@ -455,12 +484,12 @@ def motors(s: Session) -> None:
     _power_comes_back(
         s, _without_power(s, "estop_release", "Release it, and press no green button.", speed)
     )
-    s.please("motors_on", "Press the green button.")
+    s.please("motors_on", "Press the green button: the wheels must stay still.")
     _power_comes_back(s, s.samples[-1:])
     _without_power(s, "brakes_released", "Turn the brakes selector to Released.", speed)
     s.stop()
     s.please("brakes_automatic", "Turn it to Automatic.")
-    s.please("motors_on", "Press the green button.")
+    s.please("motors_on", "Press the green button again: the wheels must stay still.")
     _power_comes_back(s, s.samples[-1:])
 
 
@@ -494,7 +523,7 @@ def power_on(s: Session) -> None:
     """Restart, and see whether the motors have power at once."""
     s.begin()
     keep_clock(s)
-    restart(s)
+    restart(s, "Whether the motors have power after that, is found out next.")
     restarted(s)
     s.hold()
     since_s = s.world.now_s
@@ -502,7 +531,7 @@ def power_on(s: Session) -> None:
     moved = abs(s.sampled(since_s, None)[-1].speed[0]) > 0.03
     s.stop()
     s.learn("start_safe", int(not moved))
-    s.please("motors_on", "Press the green button.")
+    s.please("motors_on", "Press the green button: after a restart the motors may need it.")
 
 
 def odometry(s: Session) -> None:
@@ -511,6 +540,7 @@ def odometry(s: Session) -> None:
         return
     s.begin()
     s.subscribe("localization", 10)
+    s.lasts("The pose is set, and set back", 1.5 + 2.0 + 1.0 + 2 * ANSWER_S)
     before = _poses(s, 1.5)[-1]
     _replace(s, before)
     s.hold()
@@ -546,10 +576,12 @@ def _replace(s: Session, pose: tuple[float, float, float]) -> None:
 
 def _travel(s: Session, command: tuple[float, float]) -> tuple[list[float], list[float]]:
     """Drive for 3 s; return way and turn by the pose, and by the speeds."""
+    what = "In place" if command[1] else "Forward"
+    s.lasts(f"{what} for {_TRAVEL_S:g} s, until all is at rest", _TRAVEL_S + 3 * STOP_S + 3.0)
     s.stop()
     s.listen(0.5)  # where it stands
     since_s = s.world.now_s
-    s.run(3.0, command)
+    s.run(_TRAVEL_S, command)
     _rest(s)
     spans = list(pairwise(s.sampled(since_s, None)))
     s.pump(1.0)

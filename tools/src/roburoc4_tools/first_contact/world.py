@@ -40,6 +40,10 @@ class World(ABC):
         """Open it again, with the same number, and send nothing."""
 
     @abstractmethod
+    def say(self, text: str) -> None:
+        """Tell the people something."""
+
+    @abstractmethod
     def please(self, key: str, text: str) -> None:
         """Ask for something to be done; return when the person says that it is."""
 
