@@ -28,7 +28,7 @@ from member import Library, VirtualWorld
 
 from roburoc4_tools.cli.keyboard import Key
 from roburoc4_tools.cli.signals import Signalled
-from roburoc4_tools.first_contact import bundle
+from roburoc4_tools.first_contact import answers, bundle
 from roburoc4_tools.first_contact.contact import STEPS, Contact
 from roburoc4_tools.first_contact.session import ReleasedError, Session, number
 from roburoc4_tools.first_contact.terminal import TerminalWorld
@@ -364,7 +364,26 @@ class FirstContact(unittest.TestCase):
             with tempfile.TemporaryDirectory() as folder:
                 bundle.write(third, Path(folder), "contact.3.pcapng", {})
                 page = (Path(folder) / "contact.html").read_text(encoding="utf-8")
-            assert re.search(f"<td>{name}</td>[^/]*</td>[^/]*</td><td>{proof}</td>", page)
+            assert re.search(f"<td>{name}</td>(?:(?!</tr>).)*<td>{proof}</td></tr>", page)
+
+    def test_each_answer_has_its_unit_and_says_what_it_is(self) -> None:
+        modules = Path(bundle.__file__).parent.glob("*.py")
+        source = "".join(path.read_text(encoding="utf-8") for path in modules)
+        names = {*re.findall(r'learn\("(\w+)"', source), *self.whole.session.known}
+        assert len(names) > 60
+        units = {"ms": "ms", "m_s": "m/s", "rad_s": "rad/s", "m_s2": "m/s²", "rad_s2": "rad/s²"}
+        units |= {"cycles": "cycles of 10 ms", "m": "m", "rad": "rad", "ppm": "ppm"}
+        for name in names:
+            phrase, unit = answers.MEANINGS[name]
+            assert phrase, name
+            ends = [end for end in units if name.endswith(f"_{end}")]
+            assert not ends or unit == units[max(ends, key=len)], name
+        said = [text for *_when, text in self.whole.session.world.said]
+        watchdog_ms = self.whole.session.known["robot_watchdog_ms"]
+        meant = "after this long without commands the robot stops itself"
+        assert f"  robot_watchdog_ms = {watchdog_ms:g} ms: {meant}" in said
+        page = bundle.page(self.whole, {})
+        assert f'<td class="text">{meant}</td><td>{watchdog_ms:g} ms</td>' in page
 
     def test_the_simulator_is_in_the_table_of_known_robots(self) -> None:
         contact = Contact(VirtualWorld(self.library, self.library.usual(), other_port=False))

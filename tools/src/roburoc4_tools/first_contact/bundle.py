@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from ..report.plots import STYLE, Line, chart
 from ..report.series import Series
+from .answers import meaning, shown
 from .contact import STEPS, Contact
 from .session import Session
 from .wire import SERVICES
@@ -78,7 +79,7 @@ USUAL: dict[str, float] = {
 """The manual's answers, where it has any."""
 
 _STYLE = (
-    STYLE + "td.text{white-space:normal;width:50%}pre{white-space:pre-wrap}.other{font-weight:600}"
+    STYLE + "td.text{white-space:normal;width:45%}pre{white-space:pre-wrap}.other{font-weight:600}"
     ".refused{border-left:4px solid var(--bad);padding:8px 12px;color:var(--ink)}"
 )
 _PLOTS = {
@@ -148,13 +149,15 @@ def _answers(s: Session) -> str:
         first, end = s.proof.get(name, (0, 0))
         proof = f"{first + 1} to {end}" if end else s.earlier.get(name, "tape measure")
         rows.append(
-            f'<tr class="{"other" if differs else ""}"><td>{escape(name)}</td><td>{value:g}</td>'
-            f"<td>{format(USUAL[name], 'g') if differs else ''}</td><td>{proof}</td></tr>"
+            f'<tr class="{"other" if differs else ""}"><td>{escape(name)}</td>'
+            f'<td class="text">{escape(meaning(name).phrase)}</td>'
+            f"<td>{escape(shown(name, value))}</td>"
+            f"<td>{escape(shown(name, USUAL[name])) if differs else ''}</td><td>{proof}</td></tr>"
         )
     return (
         "<p>Answers in bold differ from those that the manual suggests. The last column counts "
         "the datagrams of this session's recording, or of the one that it names.</p>"
-        "<table><tr><th>question</th><th>answer</th>"
+        "<table><tr><th>question</th><th>what it is</th><th>answer</th>"
         f"<th>manual</th><th>datagrams</th></tr>{''.join(rows)}</table>"
     )
 

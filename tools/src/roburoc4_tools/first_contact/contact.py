@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 from . import identify, network, watch, wheels
+from .answers import sentence
 from .response import Response
 from .session import MissedError, ReleasedError, Session, SilentError, UnsafeError
 from .world import World
@@ -107,7 +108,12 @@ class Contact:
             if step.name in self.done:
                 continue
             yield step
-            if not self._run(step):
+            before = dict(self.session.known)
+            is_done = self._run(step)
+            for name, value in self.session.known.items():
+                if before.get(name) != value:
+                    self.session.world.say(f"  {sentence(name, value)}")
+            if not is_done:
                 return
             self.done.append(step.name)
 
