@@ -96,7 +96,7 @@ class Contact:
         s = self.session
         identify.restart(s, "The robot may still report to the interrupted session.")
         if len(self.done) == len(STEPS):
-            s.please("motors_on", "Press the green button.")
+            s.please("motors_on", "Press the green button: after a restart the motors may need it.")
         elif wheels.LIFTED_BY in self.done:
             wheels.lift(s)
         if "iocard" in s.usable:
