@@ -172,6 +172,50 @@ def test_fault_damaged() -> None:
     assert found["damaged"] > 0.01 * found["received"]
 
 
+@contextmanager
+def _bits_flipped(robot: str) -> Iterator[str]:
+    """A relay to the robot that flips one bit in every fifth datagram from it."""
+    host, _, port = robot.partition(":")
+    ended = threading.Event()
+    with _socket() as ours:
+        behind: dict[object, socket.socket] = {}
+
+        def relay() -> None:
+            flips = 0
+            while not ended.is_set():
+                for ready in select.select([ours, *behind.values()], [], [], 0.1)[0]:
+                    data, source = ready.recvfrom(2048)
+                    if ready is ours:
+                        if source not in behind:
+                            behind[source] = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+                            behind[source].connect((host, int(port)))
+                        behind[source].send(data)
+                        continue
+                    flips += 1
+                    damaged = bytearray(data)
+                    if flips % 5 == 0:
+                        damaged[flips // 5 * 7 % len(data)] ^= 1 << flips // 5 % 8
+                    client = next(who for who, behind_it in behind.items() if behind_it is ready)
+                    ours.sendto(damaged, client)
+
+        thread = threading.Thread(target=relay)
+        thread.start()
+        try:
+            yield f"127.0.0.1:{ours.getsockname()[1]}"
+        finally:
+            ended.set()
+            thread.join()
+            for each in behind.values():
+                each.close()
+
+
+def test_single_bits_that_flip_are_damage_not_a_restart() -> None:
+    """A status with another time looks like a restart, but no question has two answers."""
+    with roburoc4.Simulator(port=0) as sim, _bits_flipped(sim.address) as relayed:
+        found = _verdict("--seconds", "5", robot=relayed)
+    assert (found["name"], found["exit"], found["verdict"]["number"]) == ("damaged", 1, 14)
+
+
 def test_fault_denied() -> None:
     # Sending to a broadcast address needs a permission of the socket.
     found = _verdict(robot="127.255.255.255:60000")

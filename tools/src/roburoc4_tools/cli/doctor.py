@@ -138,7 +138,7 @@ def _contact(found: Findings, probe: Probe, say: Say) -> bool:
 
 def _note_probe(found: Findings, probe: Probe) -> None:
     found.asked, found.answered, found.malformed = probe.asked, probe.answered, probe.malformed
-    found.round_trip_ms = probe.round_trip_ms
+    found.altered, found.round_trip_ms = probe.altered, probe.round_trip_ms
 
 
 def _watch(found: Findings, options: Options, probe: Probe, say: Say) -> None:

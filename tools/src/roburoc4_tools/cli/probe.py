@@ -7,6 +7,7 @@ import errno
 import select
 import socket
 import time
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import Self
 
@@ -57,6 +58,7 @@ class Probe:
     fault: str = ""
     fault_detail: str = ""
     round_trips_s: list[float] = field(default_factory=list)
+    contents: Counter[bytes] = field(default_factory=Counter)  # of the answers
 
     def __enter__(self) -> Self:
         family = socket.AF_INET6 if ":" in self.address[0] else socket.AF_INET
@@ -76,6 +78,11 @@ class Probe:
     def round_trip_ms(self) -> float:
         """The mean time of an answer."""
         return 1e3 * sum(self.round_trips_s) / max(1, len(self.round_trips_s))
+
+    @property
+    def altered(self) -> int:
+        """Answers unlike most others, although all are answers to the same request."""
+        return self.contents.total() - max(self.contents.values(), default=0)
 
     @staticmethod
     def _id_of(request: int) -> int:
@@ -115,6 +122,7 @@ class Probe:
             self.malformed += 1
         elif (sent_s := self._sent_s.pop(data[0], None)) is not None:
             self.answered += 1
+            self.contents[data[4:]] += 1
             self.round_trips_s.append(time.monotonic() - sent_s)
 
     def _note(self, error: OSError) -> None:

@@ -47,6 +47,7 @@ class Findings:
     asked: int = 0
     answered: int = 0
     malformed: int = 0  # answers that do not follow this protocol
+    altered: int = 0  # answers that differ from others to the same request
     round_trip_ms: float = 0.0
     connected: bool = False
     missing: list[str] = field(default_factory=list)
@@ -134,12 +135,15 @@ def _discovery(found: Findings) -> Verdict | None:
             "check that the address and port are the robot's; if they are, restart the robot",
         )
     # What else goes wrong then, such as a restart, may be damage, too.
-    if found.damaged > DAMAGED_SHARE * found.received:
+    damaged, of = found.damaged, found.received
+    if damaged <= DAMAGED_SHARE * of:
+        damaged, of = found.altered, found.answered
+    if damaged > DAMAGED_SHARE * of:
         return Verdict(
             14,
             "damaged",
             ExitCode.REFUSED,
-            f"{found.damaged} of {found.received} datagrams arrive with damaged contents",
+            f"{damaged} of {of} datagrams arrive with damaged contents",
             "replace what changes datagrams between here and the robot: a tunnel, a converter, a "
             "faulty switch or network card",
         )
