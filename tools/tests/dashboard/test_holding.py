@@ -351,6 +351,38 @@ def test_a_phone_that_stands_shows_the_whole_hint(station: Make, visit: Visit) -
     assert page.locator("#drive-why").evaluate(shown)
 
 
+@pytest.mark.parametrize("size", [*SMALL, (390, 844)])
+def test_a_phone_shows_the_whole_hint_and_the_names_of_all_alarms(
+    size: tuple[int, int], station: Make, visit: Visit
+) -> None:
+    here = station(battery_percent=3.0)
+    page = visit(
+        here.url, viewport={"width": size[0], "height": size[1]}, has_touch=True, is_mobile=True
+    )
+    ready(page)
+    page.evaluate("makePad(); 0")
+    arm(page)
+    expect(page.locator("#drive-why")).to_contain_text("hold [A]")
+    whole = "(node) => !node.checkVisibility() || node.scrollHeight <= node.clientHeight + 1"
+    for name in ("#drive-why", "#pad-text"):
+        assert page.locator(name).evaluate(whole), name
+    here.sim.set("front_bumper", True)
+    expect(page.locator("#banner-title")).to_have_text("FRONT BUMPER")
+    here.sim.set("charger", True)
+    expect(page.locator("#banner-more li")).to_have_text(["CHARGER PLUGGED IN", "BATTERY LOW"])
+    if size[0] < 400:
+        page.locator("#banner").tap()
+    room = page.locator("#banner").bounding_box()
+    assert room is not None
+    for alarm in page.locator("#banner-more li").all():
+        box = alarm.bounding_box()
+        assert box is not None
+        assert box["y"] >= room["y"]
+        assert box["y"] + box["height"] <= room["y"] + room["height"]
+        assert alarm.evaluate("(node) => node.scrollWidth <= node.clientWidth + 1"), "cut off"
+        assert float(alarm.evaluate("(node) => parseFloat(getComputedStyle(node).fontSize)")) > 8
+
+
 def test_what_drives_by_pad_and_key_has_room_on_a_desktop(station: Make, visit: Visit) -> None:
     page = visit(station().url, viewport={"width": 1366, "height": 768})
     ready(page)

@@ -11,10 +11,13 @@ const words = by("banner-text").parentNode;
 /** Where not all of it has room, what to do counts more than what is the matter. */
 function fit() {
   by("banner").classList.remove("brief");
-  by("banner").classList.toggle("brief", words.scrollHeight > words.clientHeight + 1 && remedy.textContent !== "");
+  by("banner").classList.toggle("brief", [words, by("banner")].some((node) => node.scrollHeight > node.clientHeight + 1) && remedy.textContent !== "");
 }
 
 new ResizeObserver(fit).observe(by("banner"));
+
+// Where the names of the others have no room beside the title, a press shows them whole.
+by("banner").addEventListener("click", () => by("banner").classList.toggle("names"));
 
 function showStates([first, ...others]) {
   const [level, title, text, attempt] = first;
@@ -27,6 +30,7 @@ function showStates([first, ...others]) {
   const names = more.map(([of, name]) => `${of}:${name}`).join();
   if (by("banner-more").dataset.names !== names) {
     by("banner-more").dataset.names = names;
+    by("banner").classList.remove("names");
     by("banner-more").replaceChildren(...more.map(([of, name]) => {
       const node = make("li", "", name);
       node.dataset.level = of;
@@ -48,6 +52,6 @@ function announce(level, title, text) {
   put(by("spoken"), calm || title === "DRIVING" || title === "MOVING" ? "" : `${title}. ${text}`);
 }
 
-export const showBanner = (frame, { mine, offered }, { everReady }) => showStates(statesOf({ ...frame, mine, offered, everReady }));
+export const showBanner = (frame, { mine, offered }, { everReady, recorded }) => showStates(statesOf({ ...frame, mine, offered, everReady, recorded }));
 
 export const showSilence = (why, stopping) => showStates(silence(why, stopping));

@@ -182,14 +182,13 @@ export class Inputs {
 
   /** How this device drives. */
   hint() {
-    return [this.pad().pad && "hold [A] on the game pad", "drag the stick", touches() || "hold a key"].filter((text) => text && text !== true).join(", or ");
+    return [this.pad().pad && "hold [A]", "drag the stick", touches() || "hold a key"].filter((text) => text && text !== true).join(", or ");
   }
 
   padText() {
     const { pad, strange } = this.pad();
     if (pad) {
-      const name = pad.id.replace(/\s*\(.*$/, "") || "game pad";
-      return pad.buttons[A]?.pressed ? `This machine’s game pad: ${this.stuck ? "let [A] go once" : "[A] held"}` : `This machine’s game pad (${name}): hold [A]; RT forward, LT back, LJ turn; [B] STOP; LB, RB speed`;
+      return pad.buttons[A]?.pressed ? `Game pad: ${this.stuck ? "let [A] go once" : "[A] held"}` : "Game pad: [B] STOP; hold [A]; RT forward, LT back, LJ turn; LB, RB speed";
     }
     if (!isSecureContext || !navigator.getGamepads) {
       return "Game pad withheld: browsers may refuse it to plain HTTP. Start with --tls-cert and --tls-key";
