@@ -433,6 +433,7 @@ def test_an_alarm_sounds_on_a_page_that_was_loaded_again(station: Make, visit: V
     page.reload()
     ready(page)
     # Browsers suspend a sound that begins before the page is touched.
+    expect(page.locator("#sound")).to_have_text("alarm sound: press any key first")
     page.evaluate("""window.resumed = 0; {
         const resume = AudioContext.prototype.resume;
         AudioContext.prototype.resume = function () { resumed += 1; return resume.call(this); };
@@ -442,6 +443,33 @@ def test_an_alarm_sounds_on_a_page_that_was_loaded_again(station: Make, visit: V
         page.wait_for_function("(times) => resumed === times", arg=times)
         here.sim.set("front_bumper", False)
         expect(page.locator("#banner-title")).to_have_text("DISARMED")
+    page.keyboard.press("x")
+    expect(page.locator("#sound")).to_have_text("alarm sound")
+
+
+def test_a_charger_is_seen_before_the_robot_is_armed(station: Make, visit: Visit) -> None:
+    here, page = watched(station, visit)
+    take_control(page)
+    here.sim.set("charger", True)
+    expect(page.locator("#drive-why")).to_contain_text("The charger is plugged in")
+    for state in ("charging", "charged"):
+        shown = page.evaluate(
+            """async (state) => {
+                const { showBattery } = await import("/static/status.js");
+                const battery = { state, percent: 100, volts: 25, trend_percent_h: 0 };
+                showBattery({ battery }, {});
+                return document.getElementById("gauge-text").textContent;
+            }""",
+            state,
+        )
+        assert "⚡" in shown, state
+
+
+def test_stop_on_the_driver_s_own_page_was_pressed_here(station: Make, visit: Visit) -> None:
+    page = visit(station().url)
+    arm(page)
+    page.locator("#stop").click()
+    expect(page.locator("#banner-text")).to_contain_text("STOP was pressed here.")
 
 
 def test_the_pale_band_shows_what_the_slider_gives(station: Make, visit: Visit) -> None:
@@ -490,6 +518,25 @@ def test_the_page_says_what_it_shows(station: Make, visit: Visit) -> None:
     expect(page.locator("#kind")).to_have_text("replayed")
 
 
+def test_a_recording_cannot_be_armed_and_asks_for_no_remedy(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    ready(page)
+    here.hub._frames._about |= {"recorded": True}
+    page.reload()
+    ready(page)
+    take_control(page)
+    expect(page.locator("#drive-why")).to_contain_text("A recording is replayed")
+    expect(page.locator("#arm")).to_be_disabled()
+    page.evaluate("document.getElementById('arm').disabled = false")
+    page.evaluate("document.getElementById('arm').click()")
+    page.wait_for_timeout(300)
+    assert not here.robot.facts.armed
+    here.sim.set("front_bumper", True)
+    expect(page.locator("#banner-title")).to_have_text("FRONT BUMPER")
+    expect(page.locator("#banner")).not_to_contain_text("Try:")
+
+
 # ---- back in time ----
 
 
@@ -533,15 +580,19 @@ def test_the_slider_of_the_past_stays_where_it_is_dragged(
     slider, text = page.locator("#past-at"), page.locator("#past-text")
     expect(text).to_have_text("now")
     before = slider.bounding_box()
-    slider.fill("-600")
+    slider.press("Home")
     expect(text).to_contain_text("nothing known")
+    expect(page.locator("#pose")).to_have_text("pose not known")
+    assert int(slider.get_attribute("min") or 0) > -60, "most of it would be unknown"
     assert slider.bounding_box() == before
+    here.hub._history.path.clear()
     here.hub._history.add_place(time.time() - 300, 1.0, 0.0, 0.0)
     page.reload()
     ready(page)
     page.locator("#map-past").click()
     slider.fill("-200")
     expect(text).to_contain_text("ago")
+    expect(page.locator("#pose")).to_contain_text("x 1.00")
     assert slider.bounding_box() == before
 
 

@@ -183,8 +183,11 @@ def test_a_camera_is_shown_and_no_other_picture(camera: str, station: Make, visi
     picture = page.get_by_alt_text("camera front")
     until(lambda: picture.evaluate("(node) => node.naturalWidth") == 64)
     wide = page.locator("#map").evaluate("(node) => node.clientWidth")
-    page.get_by_role("button", name="camera front large").click()
-    until(lambda: page.locator("#map").evaluate("(node) => node.clientWidth") < 0.6 * wide)
+    for press in (picture, page.get_by_role("button", name="camera front large")):
+        press.click()
+        until(lambda: page.locator("#map").evaluate("(node) => node.clientWidth") < 0.6 * wide)
+        press.click()
+        until(lambda: page.locator("#map").evaluate("(node) => node.clientWidth") == wide)
     refused = page.evaluate(
         """(url) => new Promise((resolve) => {
             addEventListener("securitypolicyviolation", (event) => resolve(event.blockedURI));
@@ -210,6 +213,8 @@ def test_a_picture_that_is_old_says_so_and_a_dead_camera_takes_no_room(
     wide = page.locator("#map").evaluate("(node) => node.clientWidth")
     expect(page.locator("figure[data-state=dead]")).to_be_visible()
     until(lambda: page.locator("#map").evaluate("(node) => node.clientWidth") > 1.3 * wide)
+    stage = page.locator("#stage").evaluate("(node) => node.clientWidth")
+    assert page.locator("#map").evaluate("(node) => node.clientWidth") >= stage - 2
     RUNS.set()
     expect(caption).to_have_text("front")
 
@@ -233,6 +238,14 @@ def test_the_chosen_robot_is_driven_and_stop_stops_all(station: Make, visit: Vis
     until(lambda: not any(robot.facts.armed for robot in here.robots))
     until(lambda: not here.driven)
     expect(red.locator("#banner-text")).to_contain_text(f"STOP was pressed on {name}")
+
+
+def test_an_alarm_of_another_robot_is_seen(station: Make, visit: Visit) -> None:
+    here = station(robots=("RED", "BLUE"))
+    page = visit(here.url)
+    ready(page)
+    here.sims[1].set("battery_percent", 3.0)
+    expect(page.locator("#fleet button", has_text="BLUE")).to_contain_text("alarm")
 
 
 def test_choosing_another_robot_stops_the_one_before(station: Make, visit: Visit) -> None:

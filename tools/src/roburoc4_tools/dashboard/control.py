@@ -215,7 +215,8 @@ class Control:
         if not self.offered:
             raise ControlError("this dashboard only watches, and sends the robot no command at all")
         self._robot.stop()
-        self._end_driving(f"STOP was pressed on {page.name}")
+        where = "here" if page is self.driver else f"on {page.name}"
+        self._end_driving(f"STOP was pressed {where}")
 
     def close(self) -> None:
         """End everything."""

@@ -217,6 +217,11 @@ class Hub:
             page.show(tick, text)
 
     @property
+    def recorded(self) -> bool:
+        """Whether this is no robot, but a recording that is replayed."""
+        return bool(self._frames.known.get("recorded"))
+
+    @property
     def in_short(self) -> dict[str, Any]:
         """The robot as shown on pages of other robots."""
         frame = self._latest
@@ -231,7 +236,9 @@ class Hub:
             "pose": frame["pose"],
             "going": None if self.control.going is None else self.control.going.place,
             "battery": frame["battery"] and frame["battery"]["percent"],
-            "alarm": any(facts[name] for name in names),
+            "alarm": any(facts[name] for name in names)
+            or (facts["stop_unconfirmed"] and facts["at_rest"] is not True)
+            or bool(frame["battery"] and frame["battery"]["state"] == "critical"),
         }
 
     def forget_trail(self) -> None:

@@ -119,6 +119,8 @@ class Messages:
             self._hub.control.drive(self._page, wanted, now_s)
 
     def _arm(self, message: dict[str, Any]) -> None:
+        if self._hub.recorded:
+            raise ControlError("a recording is replayed: nothing can be driven")
         self._hub.control.arm(self._page, _tick(message), self._hub.now_s)
 
     def _keep(self, _message: dict[str, Any]) -> None:

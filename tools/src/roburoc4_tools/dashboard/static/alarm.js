@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Sound and vibration when a new alarm begins, for whoever wants them.
-import { by } from "./text.js";
+import { by, put } from "./text.js";
 
 let wanted = false;
 let before = [];
@@ -10,6 +10,7 @@ try { wanted = localStorage.getItem("sound") === "on"; } catch { /* off */ }
 
 function show() {
   by("sound").setAttribute("aria-pressed", String(wanted));
+  put(by("sound"), wanted && navigator.userActivation?.hasBeenActive === false ? "alarm sound: press any key first" : "alarm sound");
 }
 
 function beep() {
@@ -32,6 +33,8 @@ by("sound").addEventListener("click", () => {
   if (wanted) beep(); // browsers allow sound only after a press
 });
 show();
+// Browsers keep a page silent until it is pressed.
+for (const press of ["pointerup", "keydown"]) addEventListener(press, () => { sound?.resume(); show(); });
 
 /** alarms: the names of those that hold. */
 export function alarm(alarms) {

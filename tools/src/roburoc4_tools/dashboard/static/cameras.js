@@ -20,8 +20,9 @@ class Feed {
     this.caption = make("figcaption", "", name);
     this.large = make("button", "quiet", "large");
     this.large.setAttribute("aria-label", `camera ${name} large, map small`);
-    this.large.addEventListener("click", () => this.large.setAttribute("aria-pressed", String(by("stage").classList.toggle("camera-first"))));
+    const toggle = () => this.large.setAttribute("aria-pressed", String(by("stage").classList.toggle("camera-first")));
     this.node = make("figure", "", "", this.picture, this.caption, this.large);
+    this.node.addEventListener("click", toggle);
     this.look();
   }
 

@@ -2,6 +2,7 @@
 // Control of the robot: taking it, arming, stopping, and sending the inputs with each frame.
 import { by, figure, mark, put, show, trip } from "./text.js";
 import { B, FASTER, Inputs } from "./inputs.js";
+import { RECORDED } from "./states.js";
 
 const REFUSAL_MS = 8000;
 const TAKES_SPACE = "input:not([type=range]), select, textarea";
@@ -64,6 +65,7 @@ export class Drive {
 
   describe(about) {
     this.full = [about.full_linear_m_s, about.full_angular_rad_s];
+    this.recorded = about.recorded;
     this.showScale();
   }
 
@@ -170,7 +172,8 @@ export class Drive {
     put(by("take"), frame.driver === null ? "Take control" : this.relieves ? "Relieve" : asks ? "Asked" : "Ask for control");
     by("take").disabled = asks && !this.relieves;
     put(by("arm"), frame.fleet.length > 1 ? `Arm ${this.name}` : "Arm");
-    by("arm").classList.toggle("go", !frame.facts.blocked);
+    by("arm").classList.toggle("go", !frame.facts.blocked && !this.recorded);
+    by("arm").disabled = this.recorded;
     this.showAsker(frame);
     document.body.classList.toggle("in-control", this.mine);
     document.body.classList.toggle("armed", armed);
@@ -220,6 +223,8 @@ export class Drive {
     if (armed && frame.must_let_go) return "Armed: let go of everything once, then drive.";
     if (armed && this.inputs.unrepeated) return "Ready: the key stopped repeating, so it counts as released. Press it again. If the system does not repeat keys, drive with the game pad or the stick.";
     if (armed) return `Ready: ${this.inputs.hint()}. Letting go stops.`;
-    return frame.facts.blocked ? `Not ready to arm: ${frame.facts.blocked}.` : "Is the way clear, is the emergency stop in somebody’s hand? Then arm.";
+    if (this.recorded) return RECORDED;
+    if (frame.facts.blocked) return `Not ready to arm: ${frame.facts.blocked}.`;
+    return frame.facts.charger ? "The charger is plugged in: switch charger and platform off and unplug it, then arm." : "Is the way clear, an emergency stop in somebody’s hand? Then arm.";
   }
 }

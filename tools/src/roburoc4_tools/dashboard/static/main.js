@@ -41,7 +41,7 @@ const past = new Past((time_s) => {
   map.past = time_s;
   plots.look(time_s);
   if (time_s === null) delete by("map").dataset.past;
-});
+}, () => Math.min(...[map.path[0]?.[2], plots.times[0]].filter(Boolean)));
 
 addEventListener("keydown", ({ code, repeat }) => {
   if (code !== "Escape" || repeat) return; // one that is held closes one thing

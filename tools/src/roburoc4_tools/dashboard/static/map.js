@@ -60,6 +60,7 @@ export class RobotMap {
     this.canvas.width = Math.round(this.width * dense);
     this.canvas.height = Math.round(this.height * dense);
     this.dense = dense;
+    this.larger = Math.max(1, parseFloat(getComputedStyle(document.documentElement).fontSize) / 16);
     if (this.frame) this.paint();
   }
 
@@ -175,7 +176,9 @@ export class RobotMap {
     }
     if (frame.sim) this.keep(this.truth, frame.sim.pose, frame.time_s);
     this.paint();
-    put(by("pose"), pose ? `x ${figure(pose.x_m, 2, "m")}   y ${figure(pose.y_m, 2, "m")}   θ ${figure((pose.theta_rad * 180) / Math.PI, 0, "°")}` : "pose not reported");
+    // The pose of what the map shows.
+    const then = this.past === null ? pose : this.poseThen();
+    put(by("pose"), then ? `x ${figure(then.x_m, 2, "m")}   y ${figure(then.y_m, 2, "m")}   θ ${figure((then.theta_rad * 180) / Math.PI, 0, "°")}` : this.past === null ? "pose not reported" : "pose not known");
     put(by("map-legend"), legend(frame));
   }
 
@@ -197,8 +200,8 @@ export class RobotMap {
     if (this.past !== null) this.paintPast(pose);
     else if (pose && pose.theta_rad !== null && pose.x_m !== null && pose.y_m !== null) {
       this.inFrame(pose, () => this.paintCones());
-      this.paintDistances(pose);
       this.inFrame(pose, () => this.paintRobot(this.frame.facts));
+      this.paintDistances(pose);
     }
     for (const robot of this.frame.fleet) if (robot.pose) this.paintFleet(robot, robot.name === this.about.name);
     const { wanted } = this.chosen;
@@ -211,16 +214,21 @@ export class RobotMap {
     this.paintScale();
   }
 
+  /** The pose at the time in the past that is looked at. */
+  poseThen() {
+    const found = this.path.findLast(([, , time_s]) => time_s <= this.past);
+    return found && { x_m: found[0], y_m: found[1], time_s: found[2], theta_rad: found[3] };
+  }
+
   /** The robot where it was; where it is, an outline. */
   paintPast(pose) {
-    const then = this.path.findLast(([, , time_s]) => time_s <= this.past);
-    mark(this.canvas, "past", then ? then.join(" ") : "");
+    const then = this.poseThen();
+    mark(this.canvas, "past", then ? [then.x_m, then.y_m, then.time_s, then.theta_rad].join(" ") : "");
     if (pose) this.outline(pose, this.ink.soft);
     if (!then) return;
-    const [x_m, y_m, time_s, theta_rad] = then;
-    this.inFrame({ x_m, y_m, theta_rad }, () => this.paintRobot({}));
-    const [px, py] = this.at(x_m, y_m);
-    const text = `here at ${clock.format(time_s * 1000)}`;
+    this.inFrame(then, () => this.paintRobot({}));
+    const [px, py] = this.at(then.x_m, then.y_m);
+    const text = `here at ${clock.format(then.time_s * 1000)}`;
     this.label(text, ...this.inside(text, px, py - 20), this.ink.text);
   }
 
@@ -309,7 +317,7 @@ export class RobotMap {
 
   label(text, x, y, ink, align = "center") {
     const { pen } = this;
-    pen.font = "600 12px system-ui, sans-serif";
+    pen.font = `600 ${12 * this.larger}px system-ui, sans-serif`;
     pen.textAlign = align;
     pen.lineWidth = 6;
     pen.lineJoin = "round";

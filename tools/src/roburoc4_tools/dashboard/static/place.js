@@ -119,6 +119,6 @@ export class Place {
     const { x_m, y_m } = this.wanted;
     put(by("relocalize-warning"), this.wrong || (!armed ? "" : this.what === "go" ? "The robot will move by itself. " : "The robot is armed and stays armed, at another place on the map. "));
     put(by("relocalize-hint"), TEXTS[this.what]);
-    put(by("relocalize-text"), this.what === "go" && Number.isFinite(x_m + y_m) ? `${trip(frame, [x_m, y_m], speed)}.` : "");
+    put(by("relocalize-text"), this.what === "go" && Math.max(Math.abs(x_m), Math.abs(y_m)) <= FARTHEST_M ? `${trip(frame, [x_m, y_m], speed)}.` : "");
   }
 }

@@ -5,6 +5,8 @@ import { figure, trip } from "./text.js";
 
 const end = (text) => (text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".") : "");
 
+export const RECORDED = "A recording is replayed: nothing can be driven.";
+
 /** What is measured now, as a sentence. */
 export function motion({ speeds, facts }) {
   if (facts.at_rest === null || !speeds) return "It is not known whether the robot moves.";
@@ -35,7 +37,7 @@ const STATES = [
   ["go", "DRIVING", ({ facts }) => facts.armed && facts.driving, (s) => (s.going ? `By itself: ${trip(s, s.going, s.going_m_s)}.` : s.mine ? "Letting go stops the robot." : "By another page.")],
   ["armed", "ARMED", ({ facts }) => facts.armed, (s) => (s.mine ? end(s.why) || "Letting go stops the robot." : "The robot accepts speeds from another page.")],
   ["weak", "MOVING", ({ facts }) => facts.at_rest === false && !facts.armed && !facts.overridden && !facts.other_commander && !facts.stop_unconfirmed, (s) => `${brakes(s) ? "Its target is zero: it brakes, or something pushes it." : "Nothing is commanded from here."} ${motion(s)}`, (s) => (brakes(s) ? "wait until it stands" : "look who moves it; keep away from it")],
-  ["calm", "DISARMED", () => true, (s) => end(s.mine ? s.facts.blocked || s.why : "") || (s.offered ? "The robot accepts no speed from here." : "This page only watches.")],
+  ["calm", "DISARMED", () => true, (s) => (s.recorded ? RECORDED : end(s.mine ? s.facts.blocked || s.why : "") || (s.offered ? "The robot accepts no speed from here." : "This page only watches."))],
 ];
 
 /** All states that hold, most urgent first: level, title, what is the matter, what to try. */
@@ -43,7 +45,7 @@ export function statesOf(s) {
   const found = [];
   for (const [level, title, on, text, remedy] of STATES) {
     if (!on(s)) continue;
-    const attempt = remedy?.(s);
+    const attempt = s.recorded ? "" : remedy?.(s);
     found.push([level, typeof title === "string" ? title : title(s), text(s), attempt ? `Try: ${attempt}.` : ""]);
     if (on === lost) break; // of a robot that is silent, nothing else is known
   }

@@ -46,7 +46,7 @@ export function showBattery({ battery }, about) {
   const low = about.battery?.minimum_percent ?? 0;
   const critical = battery?.state === "critical";
   mark(by("battery"), "level", critical ? "bad" : battery && battery.percent <= low ? "weak" : "calm");
-  put(by("gauge-text"), battery ? `${figure(battery.percent, 0, "%")}${battery.state === "charging" ? " ⚡" : ""}` : "–");
+  put(by("gauge-text"), battery ? `${figure(battery.percent, 0, "%")}${/charg/.test(battery.state) ? " ⚡" : ""}` : "–");
   by("gauge-fill").style.width = `${Math.max(0, Math.min(100, battery?.percent ?? 0))}%`;
   put(by("battery-state"), battery ? STATES[battery.state] ?? battery.state : "Not reported");
   put(by("battery-text"), battery ? [battery.volts === null ? "" : figure(battery.volts, 1, "V"), trend(battery, low), low ? `minimum ${figure(low, 0, "%")}` : ""].filter(Boolean).join(" · ") : "");
