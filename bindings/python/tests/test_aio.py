@@ -125,9 +125,10 @@ def test_iteration_ends_at_close(served: Simulator) -> None:
 def test_an_async_progress_function_is_awaited(served: Simulator) -> None:
     seen: list[float] = []
 
-    async def show(result: roburoc4.MoveResult) -> None:
-        await asyncio.sleep(0)
-        seen.append(result.remaining_m)
+    class Show:
+        async def __call__(self, result: roburoc4.MoveResult) -> None:
+            await asyncio.sleep(0)
+            seen.append(result.remaining_m)
 
     async def later(_: object) -> bool:
         return True
@@ -137,7 +138,7 @@ def test_an_async_progress_function_is_awaited(served: Simulator) -> None:
             with pytest.raises(roburoc4.ArgumentError, match="not async"):
                 await robot.wait_for(later)
             await robot.arm()
-            await robot.move(0.2, on_progress=show)
+            await robot.move(0.2, on_progress=Show())
 
     asyncio.run(program())
     assert len(seen) > 3

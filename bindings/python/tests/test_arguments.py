@@ -218,17 +218,29 @@ def test_a_setting_cannot_be_assigned_later(roburoc4_simulator: Simulator) -> No
         robot.my_own = 1  # type: ignore[attr-defined]
 
 
+class _Later:
+    async def __call__(self, _: object) -> bool:
+        return True
+
+
 def test_functions_that_must_be_awaited_are_refused(roburoc4_simulator: Simulator) -> None:
     async def later(_: object) -> bool:
         return True
 
+    loop = asyncio.new_event_loop()
     with roburoc4_simulator.connect() as robot:
         robot.arm()
         with pytest.raises(ArgumentError, match=r"condition: .* not async"):
             robot.wait_for(later)
         with pytest.raises(ArgumentError, match=r"on_progress: .* not async"):
             robot.move(0.1, on_progress=later)
-    assert roburoc4_simulator.state.nonzero_speed_commands == 0
+        with pytest.raises(ArgumentError, match=r"on_progress: .* not async"):
+            robot.move(0.1, on_progress=_Later())
+        assert roburoc4_simulator.state.nonzero_speed_commands == 0
+        with pytest.raises(ArgumentError, match=r"on_progress: .* not async"):
+            robot.move(0.1, on_progress=lambda _: asyncio.Future(loop=loop))
+        assert not robot.facts.driving
+    loop.close()
 
 
 def test_take_returns_what_has_arrived(roburoc4_simulator: Simulator) -> None:

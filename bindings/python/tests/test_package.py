@@ -14,6 +14,7 @@ import pytest
 import roburoc4
 import roburoc4.iocard
 import roburoc4.records
+from roburoc4 import Simulator
 
 FOLDER = Path(roburoc4.__file__).parent
 Start = Callable[..., "subprocess.Popen[str]"]
@@ -106,6 +107,38 @@ with roburoc4.Simulator() as sim, sim.connect() as robot:
         print("unharmed")
 """
     assert run(sys.executable, "-c", code).stdout == "unharmed\n"
+
+
+@pytest.mark.parametrize("isolated", [False, True])
+def test_a_subinterpreter_alone_connects_and_ends(served: Simulator, isolated: bool) -> None:
+    """As in a web server; from Python 3.12 on, an isolated one refuses the import itself."""
+    inside = f"""
+import roburoc4
+with roburoc4.connect({served.address!r}) as robot:
+    print(robot.battery.remaining_percent, flush=True)
+"""
+    code = f"""
+try:
+    import _xxsubinterpreters as interpreters  # until Python 3.12
+except ImportError:
+    import _interpreters as interpreters
+import sys
+if sys.version_info < (3, 12):
+    interpreter = interpreters.create(isolated={isolated})
+else:
+    interpreter = interpreters.create("isolated" if {isolated} else "legacy")
+try:
+    ended = interpreters.run_string(interpreter, {inside!r})
+except Exception as error:
+    ended = error
+interpreters.destroy(interpreter)
+assert ended is None or "subinterpreters" in str(ended), ended
+print("ended")
+"""
+    # without the sitecustomize of these tests, which imports roburoc4
+    lines = run(sys.executable, "-I", "-c", code).stdout.split()
+    assert lines[-1] == "ended"
+    assert lines == ["100", "ended"] or sys.version_info >= (3, 12)
 
 
 def test_every_public_thing_is_described() -> None:

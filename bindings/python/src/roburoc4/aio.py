@@ -16,13 +16,12 @@ import contextlib
 import threading
 import weakref
 from collections.abc import AsyncIterator, Callable, Coroutine, Generator
-from inspect import iscoroutinefunction
 from typing import Any, Literal, Self, TypeVar, Unpack, overload
 
 from . import _native
 from .connection import ALL_EVENTS, Connection, EventReader
 from .constants import DEFAULT_HOST, Event, Service
-from .errors import ClosedError, duration_s, finite, function, switch, timeout_s
+from .errors import ClosedError, duration_s, finite, function, is_async, switch, timeout_s
 from .moves import Move, MoveResult, Progress
 from .moving import Moving
 from .pump import PumpConnection
@@ -228,7 +227,7 @@ class Robot(RobotBase, Moving[Coroutine[Any, Any, MoveResult]]):
                 self.pause()
 
     async def _go(self, move: Move, on_progress: Progress | None) -> MoveResult:
-        if on_progress is not None and not iscoroutinefunction(on_progress):
+        if on_progress is not None and not is_async(on_progress):
             function("on_progress", on_progress)
         with self._connection.only_move():
             return await self._finish(move, on_progress)

@@ -139,10 +139,18 @@ def timeout_s(seconds: float) -> float:
     return duration_s("timeout", seconds)
 
 
+NOT_ASYNC = "a function that is not async"
+
+
+def is_async(value: object) -> bool:
+    """Whether this is a function, or an object with one as ``__call__``, that must be awaited."""
+    return iscoroutinefunction(value) or (callable(value) and iscoroutinefunction(value.__call__))
+
+
 def function(name: str, value: object) -> None:
     """Reject what cannot be called, and what would have to be awaited."""
-    if not callable(value) or iscoroutinefunction(value):
-        raise unusable(name, value, "a function that is not async")
+    if not callable(value) or is_async(value):
+        raise unusable(name, value, NOT_ASYNC)
 
 
 def switch(name: str, value: object, code: int = Result.ARGUMENT) -> bool:

@@ -4,7 +4,6 @@
 import contextlib
 import functools
 import threading
-import time
 import weakref
 from typing import TYPE_CHECKING
 
@@ -89,10 +88,10 @@ class Log:
         _logger().log(level, "%s: %s", self._address, text)
 
 
-_PERIOD_S = 0.1
+_PERIOD_S, _LONGEST_STEP_S = 0.1, 0.5
 _watched: weakref.WeakSet[Log] = weakref.WeakSet()
 _lock = threading.Lock()
-_news = threading.Event()
+_closing = threading.Event()
 _thread: threading.Thread | None = None
 
 
@@ -101,23 +100,35 @@ def watch(log: Log) -> None:
     global _thread
     with _lock:
         _watched.add(log)
-        _news.set()
+        _closing.clear()
         if _thread is None or not _thread.is_alive():  # not in the child of a fork
             _thread = threading.Thread(target=_watch, name="roburoc4-log", daemon=True)
-            _thread.start()
+            with contextlib.suppress(RuntimeError):  # no threads here: logged at the end
+                _thread.start()
+
+
+def unwatch() -> None:
+    """End the thread with the last pump: a subinterpreter cannot end before its threads."""
+    with _lock:
+        thread = None if _running() else _thread
+        if thread is not None:
+            _closing.set()
+    if thread is not None and thread.is_alive() and thread is not threading.current_thread():
+        thread.join(_LONGEST_STEP_S)  # not for ever: it may wait for a handler that closes a robot
+
+
+def _running() -> list[Log]:
+    return [log for log in _watched if log.is_running]
 
 
 def _watch() -> None:
+    global _thread
     while True:
-        _news.wait()
-        time.sleep(_PERIOD_S)
-        _step()
-
-
-def _step() -> None:
-    with _lock:
-        logs = [log for log in _watched if log.is_running]
-        if not logs:
-            _news.clear()
-    for log in logs:
-        log.step()
+        _closing.wait(_PERIOD_S)
+        with _lock:
+            logs = _running()
+            if not logs:
+                _thread = None
+                return
+        for log in logs:
+            log.step()

@@ -11,7 +11,7 @@ import contextlib
 from . import _native
 from .connection import Connection, EventReader, open_host
 from .errors import ClosedError
-from .log import Log, watch
+from .log import Log, unwatch, watch
 from .settings import Settings
 
 _SLICE_S = 0.05
@@ -43,8 +43,11 @@ class PumpConnection(Connection):
         self.reader().wait(0, seconds)
 
     def close(self) -> None:
-        if not self.closed:
+        open_here = not self.closed
+        if open_here:
             self.log.end()
         with contextlib.suppress(ClosedError):  # a forked child has nothing to end
             _native.roburoc4_pump_close(self.handle)
+        if open_here:
+            unwatch()
         self.end_recording()

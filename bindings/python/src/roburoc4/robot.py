@@ -10,6 +10,7 @@ from . import _native
 from .connection import ALL_EVENTS
 from .constants import DEFAULT_HOST, Event, Result, Service
 from .errors import (
+    NOT_ASYNC,
     NotArmedError,
     NotKnownError,
     RobotTimeoutError,
@@ -19,6 +20,7 @@ from .errors import (
     is_within,
     switch,
     timeout_s,
+    unusable,
 )
 from .moves import Move, MoveResult, Progress
 from .moving import Moving
@@ -87,8 +89,9 @@ class Robot(RobotBase, Moving[MoveResult]):
             while True:
                 reader.take_events()
                 wish = next(steps)
-                if isinstance(wish, float | int):
-                    reader.wait(ALL_EVENTS, wish)
+                if not isinstance(wish, float | int):
+                    raise unusable("on_progress", wish, NOT_ASYNC)
+                reader.wait(ALL_EVENTS, wish)
         except StopIteration as end:
             result: _T = end.value
             return result
