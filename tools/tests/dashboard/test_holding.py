@@ -16,6 +16,7 @@ from station import (
     arm,
     drive,
     open_tab,
+    press_arm,
     ready,
     take_control,
     until,
@@ -361,9 +362,12 @@ def test_a_phone_shows_the_whole_hint_and_the_names_of_all_alarms(
     )
     ready(page)
     page.evaluate("makePad(); 0")
-    arm(page)
-    expect(page.locator("#drive-why")).to_contain_text("hold [A]")
     whole = "(node) => !node.checkVisibility() || node.scrollHeight <= node.clientHeight + 1"
+    take_control(page)
+    expect(page.locator("#drive-why")).to_contain_text("Is the way clear")
+    assert page.locator("#drive-why").evaluate(whole)
+    press_arm(page)
+    expect(page.locator("#drive-why")).to_contain_text("hold [A]")
     for name in ("#drive-why", "#pad-text"):
         assert page.locator(name).evaluate(whole), name
     here.sim.set("front_bumper", True)

@@ -225,6 +225,6 @@ export class Drive {
     if (armed) return `Ready: ${this.inputs.hint()}. Letting go stops.`;
     if (this.recorded) return RECORDED;
     if (frame.facts.blocked) return `Not ready to arm: ${frame.facts.blocked}.`;
-    return frame.facts.charger ? "The charger is plugged in: switch charger and platform off and unplug it, then arm." : "Is the way clear, an emergency stop in somebody’s hand? Then arm.";
+    return frame.facts.charger ? "The charger is plugged in: switch charger and platform off and unplug it, then arm." : "Is the way clear, an emergency stop in hand? Then arm.";
   }
 }
