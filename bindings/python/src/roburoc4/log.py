@@ -88,7 +88,7 @@ class Log:
         _logger().log(level, "%s: %s", self._address, text)
 
 
-_PERIOD_S, _LONGEST_STEP_S = 0.1, 0.5
+_PERIOD_S, _LONGEST_STEP_S = 0.1, 2.0
 _watched: weakref.WeakSet[Log] = weakref.WeakSet()
 _lock = threading.Lock()
 _closing = threading.Event()
