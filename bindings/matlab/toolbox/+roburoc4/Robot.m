@@ -173,9 +173,11 @@ methods
     end
 
     function delete(this)
-        %DELETE Stop the robot if R drives it, and close the link.
+        %DELETE Stop the robot if R drives it, end the subscriptions, and close the link.
         %   delete(R) waits until the robot has confirmed the stop, at most for the robot's watchdog
-        %   time. Later calls with R raise roburoc4:closed; a second delete does nothing.
+        %   time, and 0.3 s for the subscriptions. They stay if somebody else drives the robot: some
+        %   robots have one list for all programs, whose statuses would end, too. Later calls with R
+        %   raise roburoc4:closed; a second delete does nothing.
         %
         %   Example:
         %      delete(r)
@@ -183,29 +185,18 @@ methods
         cleanup = onCleanup(@() roburoc4_mex('close', id)); %#ok<NASGU>
         try
             this.stop_driving();
+            this.end_subscriptions();
         catch
             % Its simulator was deleted, or the program ends: then the MEX file stops all robots.
         end
     end
 
     function close(this)
-        %CLOSE End the subscriptions, and delete the object.
-        %   close(R) is delete(R) after unsubscribing from all services: for a program that makes
-        %   many objects, as a robot may keep subscriptions until it is switched off. delete(R) keeps
-        %   them, because some robots have one list for all programs: there this ends the
-        %   statuses of others, too, and stops a robot that one of them drives.
+        %CLOSE As delete(R), but raise roburoc4:closed if R is closed.
         %
         %   Example:
         %      close(r)
-        services = {'iocard', 'telemeter', 'battery', 'localization', 'differential'};
-        this.stop_driving();
-        for k = 1:numel(services)
-            this.unsubscribe(services{k});
-        end
-        finish_s = this.time_s + 0.3;      % a request that was lost is repeated after 0.1 s
-        while this.time_s < finish_s
-            roburoc4_mex('wait', this.id, 0.05);
-        end
+        roburoc4_mex('status', this.id);
         delete(this);
     end
 
@@ -692,6 +683,20 @@ methods (Access = private)
     function stop_driving(this)
         while roburoc4_mex('leave', this.id)
             roburoc4_mex('wait', this.id, 0.02);
+        end
+    end
+
+    function end_subscriptions(this)
+        s = this.status;
+        if s.other_commander || any([s.target_linear_m_s, s.target_angular_rad_s] ~= 0)
+            return
+        end
+        for service = {'iocard', 'telemeter', 'battery', 'localization', 'differential'}
+            this.unsubscribe(service{1});
+        end
+        finish_s = this.time_s + 0.3;      % a request that was lost is repeated after 0.1 s
+        while this.time_s < finish_s
+            roburoc4_mex('wait', this.id, 0.05);
         end
     end
 
