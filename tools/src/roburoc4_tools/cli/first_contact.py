@@ -191,7 +191,7 @@ def stand_armed(robot: Robot, world: TerminalWorld) -> None:
 def drive_on_the_ground(
     robot: Robot, world: TerminalWorld, ask: Callable[[str], str]
 ) -> dict[str, float]:
-    """Drive, from the begin once more if the robot was stopped."""
+    """Drive, from the beginning once more if the robot was stopped."""
     from ..first_contact import ground
 
     def drive() -> dict[str, float]:
@@ -203,7 +203,7 @@ def drive_on_the_ground(
 
 
 def _until_done(robot: Robot, world: TerminalWorld, deed: Callable[[], _T], question: str) -> _T:
-    """Do it, from the begin once more after what people can mend."""
+    """Do it, from the beginning once more after what people can mend."""
     from roburoc4 import ClosedError, RobotError
 
     from ..first_contact.session import ReleasedError
