@@ -212,6 +212,7 @@ class Oracle {
     void watch_target(Moment now, const Datagram &datagram);
     void watch_other_commander(Moment now, const Datagram &datagram);
     void watch_axis(Moment now, const Datagram &datagram, Axis &axis, float target, float current);
+    bool shows_input(const Datagram &datagram, int index) const;
     void iocard_status(Moment now, const Datagram &datagram);
     static double counted_us(const Newest &from, const Datagram &datagram);
     static bool may_be_same_start(const Newest &from, Moment now, const Datagram &datagram);
@@ -269,6 +270,7 @@ class Oracle {
     bool unconfirmed_ = false; /* a speed left, and no stop was confirmed since */
     std::uint64_t confirmed_us_ = 0;
     bool ended_under_pad_a_ = false;
+    bool pad_a_shown_ = false; /* by the newest status, in whatever state */
     std::uint64_t watch_due_us_ = UINT64_MAX, release_due_us_ = UINT64_MAX, zeros_allowed_us_ = 0;
     std::uint64_t lapse_us_ = UINT64_MAX; /* by the client's clock */
     bool pausing_ = false, ages_known_ = true;

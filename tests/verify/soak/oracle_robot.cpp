@@ -236,22 +236,31 @@ void Oracle::watch_axis(Moment now, const Datagram &datagram, Axis &axis, float 
         disarm(now, Promise::follows_or_disarmed);
 }
 
+bool Oracle::shows_input(const Datagram &datagram, int index) const {
+    const std::size_t first = 11 + 4 * static_cast<std::size_t>(analog_inputs_);
+    const std::uint8_t block = datagram.u8_at(first + static_cast<std::size_t>(index / 8));
+    return (block >> (index % 8) & 1) != 0;
+}
+
 void Oracle::iocard_status(Moment now, const Datagram &datagram) {
     const int index = judged_index();
     const bool before = overridden_;
-    overridden_ = false;
+    const bool shown_before = pad_a_shown_;
+    overridden_ = index >= 0 && shows_input(datagram, index);
+    pad_a_shown_ = overridden_;
+    /* [A] may have been shown before the client was ready: a stop that began then, too, is sent
+     * again when [A] is released */
+    if (shown_before && !pad_a_shown_) {
+        zeros_welcome_us_ = now.true_us + milliseconds(config_.drive_period_ms) + slack_us;
+        stop_.again_us = now.true_us;
+    }
     if (index < 0)
         return;
-    const std::size_t first = 11 + 4 * static_cast<std::size_t>(analog_inputs_);
-    const std::uint8_t block = datagram.u8_at(first + static_cast<std::size_t>(index / 8));
-    overridden_ = (block >> (index % 8) & 1) != 0;
     if (overridden_) {
         ended_under_pad_a_ = ended_under_pad_a_ || lease_.alive || stop_.active;
         disarm(now, report_.override_index == index ? Promise::override_disarms
                                                     : Promise::override_by_texts);
     } else if (before && datagram.origin.boot <= judged_boot_) {
-        zeros_welcome_us_ = now.true_us + milliseconds(config_.drive_period_ms) + slack_us;
-        stop_.again_us = now.true_us;
         if (unconfirmed_ && ended_under_pad_a_ && !sent_.empty() && report_.override_known &&
             report_.stop_outcome != ROBUROC4_STOP_CONFIRMED &&
             report_.state == ROBUROC4_STATE_READY && report_.differential_known &&
