@@ -462,6 +462,7 @@ void Oracle::remember(Moment now, Speeds speeds) {
     if (!same || target_since_us_ == UINT64_MAX) {
         target_sent_ = speeds;
         target_since_us_ = target_seen_us_ = now.true_us;
+        target_shown_ = false;
     }
     if (speeds.zero())
         return;

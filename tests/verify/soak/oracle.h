@@ -265,6 +265,7 @@ class Oracle {
     std::deque<Sent> sent_; /* speeds, during the last two watchdog times and longer */
     Speeds target_sent_;    /* the newest speed, and since when it has not changed */
     std::uint64_t target_since_us_ = UINT64_MAX, target_seen_us_ = 0; /* none was sent */
+    bool target_shown_ = false;                                       /* by the newest status */
     int others_ = 0;
     Axis v_, w_;
     bool unconfirmed_ = false; /* a speed left, and no stop was confirmed since */

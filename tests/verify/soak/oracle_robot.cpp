@@ -155,11 +155,16 @@ void Oracle::watch_target(Moment now, const Datagram &datagram) {
     if (lease_.alive && armed_ && !stop_.active && target_since_us_ != UINT64_MAX &&
         config_.drive_period_ms <= 100) {
         /* of two changes in a row, the first proves that commands arrived, too */
-        if (near(target, target_sent_) || interfered || ours(target, now.true_us - uplink_us))
+        const bool shown =
+            near(target, target_sent_) || interfered || ours(target, now.true_us - uplink_us);
+        /* one that disappears is missing since a status has shown it: while none came, nothing
+         * could (and where all answers have one id, nothing else tells) */
+        if (shown || target_shown_)
             target_seen_us_ = now.true_us;
         else if (now.true_us - target_seen_us_ > uplink_us &&
                  (config_.options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0)
             disarm(now, Promise::target_must_appear);
+        target_shown_ = shown;
     }
     if (zero_by_rounding(target)) {
         if (!lease_.alive)
