@@ -59,7 +59,7 @@ struct RobotTruth {
 struct Truth {
     Speeds clients_target; /* that the robot follows */
     Speeds moving;
-    std::uint64_t newest_command_us = 0; /* that the robot received: when it was sent */
+    std::uint64_t newest_heard_us = 0; /* what the robot received last: when it was sent */
     bool well = false; /* neither robot nor network have a fault, and nobody interferes */
     bool uplink_loses = false;
 };

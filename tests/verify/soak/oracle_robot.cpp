@@ -514,7 +514,7 @@ void Oracle::judge_uplink(Moment now, const Truth &truth) {
         commanding_since_us_ = now.true_us;
         return;
     }
-    const std::uint64_t newest = std::max(truth.newest_command_us, commanding_since_us_);
+    const std::uint64_t newest = std::max(truth.newest_heard_us, commanding_since_us_);
     if (now.true_us - newest > 400000)
         reach(Reached::late_uplink);
     if (now.true_us - newest > uplink_us)

@@ -516,6 +516,7 @@ void Robot::receive(const Datagram &datagram, std::uint64_t now_us, bool from_ot
     }
     if (datagram.size < 4 || (plan_.only_literal && datagram.bytes[0] != header_literal))
         return;
+    newest_heard_us_ = std::max(newest_heard_us_, datagram.origin.made_us);
     const std::uint64_t due = now_us + plan_.answer_us;
     switch (datagram.bytes[1]) {
     case action_get:
@@ -547,7 +548,7 @@ void Robot::command(const Datagram &datagram, std::uint64_t now_us, bool from_ot
     if (datagram.u16_at(1) != plan_.ids[differential] || datagram.size < 11)
         return;
     if (!from_other_commander)
-        newest_command_us_ = std::max(newest_command_us_, datagram.origin.made_us);
+        newest_heard_us_ = std::max(newest_heard_us_, datagram.origin.made_us);
     const Speeds asked = command_speeds(datagram);
     const bool beyond = std::fabs(asked.v) > 2.6F || std::fabs(asked.w) > 6.5F;
     if (plan_.over_limit_refused && beyond)

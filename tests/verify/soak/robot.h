@@ -149,9 +149,10 @@ class Robot {
     }
     /** The target that it follows, if a command of the client set it; else zero. */
     Speeds clients_target() const;
-    /** When the newest of the client's commands that it received was sent; 0 before the first. */
-    std::uint64_t newest_command_us() const {
-        return newest_command_us_;
+    /** When the newest of the client's commands and requests that it received was sent; 0 before
+     *  the first. A request counts, too: its answer is what the client knows of its uplink. */
+    std::uint64_t newest_heard_us() const {
+        return newest_heard_us_;
     }
     bool running(std::uint64_t now_us) const {
         return now_us >= started_us_;
@@ -215,7 +216,7 @@ class Robot {
     Axis v_, w_;
     bool pad_a_held_ = false;
     Trouble trouble_;
-    std::uint64_t newest_command_us_ = 0;
+    std::uint64_t newest_heard_us_ = 0;
 };
 
 } // namespace soak

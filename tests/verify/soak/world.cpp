@@ -204,7 +204,7 @@ Truth World::truth() const {
     Truth truth;
     truth.clients_target = robot_.clients_target();
     truth.moving = robot_.moving();
-    truth.newest_command_us = robot_.newest_command_us();
+    truth.newest_heard_us = robot_.newest_heard_us();
     truth.well = good(up) && good(to_client_.weather()) && !robot_.trouble().any() &&
                  !robot_.pad_a_held() && robot_.running(now_us_) && now_us_ >= others_until_us_;
     /* commands may be lost, and requests between them arrive */
