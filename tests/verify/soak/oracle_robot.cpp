@@ -319,6 +319,10 @@ void Oracle::watch_restart(Moment now, const Datagram &datagram) {
         if (newest.known && newest.boot < datagram.origin.boot &&
             (last == nullptr || newest.received_us > last->received_us))
             last = &newest;
+    /* of a start whose statuses only showed that it was another, the clock is known, too */
+    for (const auto &start : last_of_start_)
+        if (start.first < datagram.origin.boot && last != nullptr && start.first > last->boot)
+            last = &start.second;
     if (datagram.origin.boot != boot_) {
         boot_ = datagram.origin.boot;
         restarted_statuses_ = 0;
@@ -386,8 +390,8 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
         disarm(now, Promise::nothing_arms_itself);
     }
     pausing_ = false;
-    if ((report.events & ROBUROC4_EVENT_REBOOT) != 0)
-        last_of_start_.clear();
+    if ((report.events & ROBUROC4_EVENT_REBOOT) != 0) /* the newest it knows now */
+        last_of_start_.erase(last_of_start_.begin(), last_of_start_.lower_bound(boot_));
     judge_override_report(now, report);
     judge_ages(now, report);
     judge_outcome(now, before);
