@@ -604,7 +604,7 @@ typedef struct roburoc4_private_drive {
     uint8_t stop_pending, nonzero_sent, zeros_sent, confirmed;
     uint8_t other_count, other_commander, overridden, inhibited;
     uint8_t changed, lapsed, outcome, unconfirmed;
-    uint8_t echo_due, reserved;
+    uint8_t echo_due, in_flight;
     uint16_t service;
     uint32_t lease_us, granted_us, sent_us, stop_us, envelope_us, heard_us;
     int32_t disarm_cause;

@@ -185,6 +185,10 @@ void roburoc4_drive_heard(drive *d, uint32_t sent_us) {
     if ((int32_t)(sent_us - d->heard_us) > 0) {
         d->heard_us = sent_us;
     }
+    if (!d->lease_active && !d->stop_pending && d->zeros_sent != 0 &&
+        (int32_t)(sent_us - d->stop_us) > 0) {
+        d->in_flight = 0; /* the zero before this request arrived, too, and so did all before it */
+    }
 }
 
 static uint32_t uplink_limit_us(const roburoc4_config *config) {
@@ -271,9 +275,12 @@ static void widen_envelope(drive *d) {
     }
 }
 
-/** Until the robot is known to have a new target, or to have stopped, it may keep an old one. */
+/** Until the robot is known to have a new target, or to have stopped, it may keep an old one; and
+ * until it answers a request that was sent after the zeros, an old one may still arrive: a target
+ * of 0 also confirms the stop of a robot that no speed has reached yet. */
 static void age_envelope(drive *d, uint32_t window_us, uint32_t now_us) {
-    const bool settled = d->lease_active && !d->stopping ? !d->echo_due : !d->unconfirmed;
+    const bool settled =
+        d->lease_active && !d->stopping ? !d->echo_due : !d->unconfirmed && !d->in_flight;
     if (settled && now_us - d->envelope_us >= window_us) {
         memcpy(d->low_before, d->low, sizeof d->low);
         memcpy(d->high_before, d->high, sizeof d->high);
@@ -360,6 +367,7 @@ static void note_sent(drive *d, const float *speeds, uint32_t now_us) {
     if (!is_zero(speeds[LINEAR]) || !is_zero(speeds[ANGULAR])) {
         d->nonzero_sent = 1;
         d->unconfirmed = 1;
+        d->in_flight = 1;
     }
     expect_echo(d, speeds, now_us);
 }

@@ -147,6 +147,19 @@ TEST_F(StopBelief, IsRepeatedForAsLongAsOurSpeedIsReported) {
     EXPECT_EQ(0.0F, robot.target_linear);
 }
 
+TEST_F(StopBelief, IsWatchedWhileWhatWasSentMayStillArrive) {
+    bench.armed();
+    bench.drop_to_robot = [](const Bytes &) { return true; }; /* a queue takes it all */
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 200 * ms));
+    bench.stop();
+    bench.run(6 * second);
+    ASSERT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome) << "it never had another target";
+    bench.drop_to_robot = nullptr;
+    robot.target_linear = 1; /* the speed comes, the zeros do not */
+    bench.run(60 * ms);
+    EXPECT_EQ(0.0F, robot.target_linear);
+}
+
 TEST_F(StopBelief, IsNeverSentToAnotherCommandersSpeed) {
     bench.ready();
     robot.follows = false;
