@@ -165,6 +165,12 @@ class Oracle {
         std::uint64_t since_us = 0; /* and the target is the same since then */
         float target = 0;
     };
+    /** An axis that went along with its target, and then against it. */
+    struct Swing {
+        float target = 0;
+        bool along = false;
+        std::uint64_t against_us = 0;
+    };
     struct Sent {
         std::uint64_t true_us, client_us;
         Speeds speeds;
@@ -212,6 +218,7 @@ class Oracle {
     void watch_target(Moment now, const Datagram &datagram);
     void watch_other_commander(Moment now, const Datagram &datagram);
     void watch_axis(Moment now, const Datagram &datagram, Axis &axis, float target, float current);
+    static void watch_swing(Moment now, Swing &swing, float target, float current);
     bool shows_input(const Datagram &datagram, int index) const;
     void iocard_status(Moment now, const Datagram &datagram);
     static double counted_us(const Newest &from, const Datagram &datagram);
@@ -268,6 +275,7 @@ class Oracle {
     bool target_shown_ = false;                                       /* by the newest status */
     int others_ = 0;
     Axis v_, w_;
+    Swing v_swing_, w_swing_;
     bool unconfirmed_ = false; /* a speed left, and no stop was confirmed since */
     std::uint64_t confirmed_us_ = 0;
     bool ended_under_pad_a_ = false;

@@ -139,6 +139,8 @@ void Oracle::differential_status(Moment now, const Datagram &datagram) {
     watch_other_commander(now, datagram);
     watch_axis(now, datagram, v_, target.v, current.v);
     watch_axis(now, datagram, w_, target.w, current.w);
+    watch_swing(now, v_swing_, target.v, current.v);
+    watch_swing(now, w_swing_, target.w, current.w);
 }
 
 /** Whether it is one of the speeds that left since then. */
@@ -239,6 +241,17 @@ void Oracle::watch_axis(Moment now, const Datagram &datagram, Axis &axis, float 
     }
     if (since >= (fast ? follow_us(1) : follow_us(size)))
         disarm(now, Promise::follows_or_disarmed);
+}
+
+/* A slow member overshoots: after a large target, it may move against a small one for seconds. */
+void Oracle::watch_swing(Moment now, Swing &swing, float target, float current) {
+    if (std::fabs(target - swing.target) > same_target)
+        swing = Swing();
+    swing.target = target;
+    const float along = target < 0 ? -current : current;
+    swing.along = swing.along || along > 0.05F;
+    if (swing.along && along < -0.02F && std::fabs(target) > rounding)
+        swing.against_us = now.true_us;
 }
 
 bool Oracle::shows_input(const Datagram &datagram, int index) const {
@@ -442,6 +455,9 @@ void Oracle::judge_disarming(Moment now, const Report &report) {
             return; /* only a good network shows a jump, however long ago */
         break;
     case ROBUROC4_ERR_INHIBITED:
+        if (now.true_us - std::max(v_swing_.against_us, w_swing_.against_us) < 2000000)
+            return; /* it moves the wrong way, which SAFETY says disarms, though it is healthy */
+        break;
     case ROBUROC4_ERR_UPLINK:
     case ROBUROC4_ERR_OTHER_COMMANDER:
     case ROBUROC4_ERR_LOST:
