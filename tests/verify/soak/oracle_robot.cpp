@@ -490,6 +490,8 @@ void Oracle::judge_ages(Moment now, const Report &report) {
         if (!newest.known || !ages_known_ || !ages_judged_ ||
             ages_are_new(newest.made_us + newest.late_us, service)) /* when it was received */
             continue;
+        if (newest.boot < judged_boot_) /* by the clock of a start that hides behind another's */
+            continue;
         const std::uint64_t age = now.true_us - newest.made_us;
         if (age > report.age_us[service] + tolerance_us(now))
             violate(Promise::ages_are_bounds, now.true_us,
