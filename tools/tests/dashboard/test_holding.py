@@ -387,6 +387,51 @@ def test_a_phone_shows_the_whole_hint_and_the_names_of_all_alarms(
         assert float(alarm.evaluate("(node) => parseFloat(getComputedStyle(node).fontSize)")) > 8
 
 
+WHOLE = "(node) => node.checkVisibility() && node.scrollHeight <= node.clientHeight + 1"
+
+
+@pytest.mark.parametrize("size", [*SMALL, (390, 844)])
+def test_a_phone_shows_who_has_control_and_what_that_means_in_whole_sentences(
+    size: tuple[int, int], station: Make, visit: Visit
+) -> None:
+    here = station(panel=True)
+    page = visit(
+        here.url,
+        init=SHOWS,
+        viewport={"width": size[0], "height": size[1]},
+        has_touch=True,
+        is_mobile=True,
+    )
+    ready(page)
+    chip, why = page.locator("#control"), page.locator("#drive-why")
+    if size != (512, 384):  # there it has no room beside the simulator's address
+        expect(chip.locator("span").first).to_be_visible()
+    assert chip.locator("span").last.evaluate("(node) => node.scrollWidth <= node.clientWidth")
+    other = {"driver": 99, "driver_name": "Chrome on phone 2"}
+    for frame, text in (
+        (other, "STOP works"),
+        ({**other, "relievable": True}, "drives nothing"),
+    ):
+        page.evaluate("(frame) => { window.wanted = frame; }", frame)
+        expect(why).to_contain_text(text)
+        assert why.evaluate(WHOLE), text
+    page.evaluate("window.wanted = null; 0")
+    take_control(page)
+    page.evaluate("window.wanted = { facts: { armed: true }, going: [3, 0], going_m_s: 0.3 }; 0")
+    expect(why).to_contain_text("leaving this page")
+    assert why.evaluate(WHOLE)
+
+
+def test_every_tab_is_within_the_page_in_every_small_size(station: Make, visit: Visit) -> None:
+    page = visit(station(panel=True).url, has_touch=True, is_mobile=True)
+    ready(page)
+    for size in SMALL:
+        resize(page, size)
+        assert page.locator(".tabs").evaluate("(node) => node.scrollWidth <= node.clientWidth"), (
+            size
+        )
+
+
 def test_what_drives_by_pad_and_key_has_room_on_a_desktop(station: Make, visit: Visit) -> None:
     page = visit(station().url, viewport={"width": 1366, "height": 768})
     ready(page)

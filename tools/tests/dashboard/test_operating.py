@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What an operator's hands and eyes expect: keys, names, places, alarms, the past."""
 
+import itertools
 import math
 import re
 import subprocess
@@ -525,6 +526,7 @@ def test_a_recording_cannot_be_armed_and_asks_for_no_remedy(station: Make, visit
     here.hub._frames._about |= {"recorded": True}
     page.reload()
     ready(page)
+    expect(page.locator("#drive-why")).to_contain_text("A recording is replayed")
     take_control(page)
     expect(page.locator("#drive-why")).to_contain_text("A recording is replayed")
     expect(page.locator("#arm")).to_be_disabled()
@@ -537,7 +539,42 @@ def test_a_recording_cannot_be_armed_and_asks_for_no_remedy(station: Make, visit
     expect(page.locator("#banner")).not_to_contain_text("Try:")
 
 
+WRITES = """
+window.written = {};
+const fillText = CanvasRenderingContext2D.prototype.fillText;
+CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
+  window.written[text] = [x, y];
+  return fillText.call(this, text, x, y);
+};
+"""
+
+
+def test_robots_at_the_same_place_have_their_names_below_one_another(
+    station: Make, visit: Visit
+) -> None:
+    page = visit(station(robots=("ANNA", "BELA", "CARL")).url, init=WRITES)
+    ready(page)
+    page.wait_for_function("['ANNA', 'BELA', 'CARL'].every((name) => name in written)")
+    heights = sorted(page.evaluate("['ANNA', 'BELA', 'CARL'].map((name) => written[name][1])"))
+    assert all(low - high >= 14 for high, low in itertools.pairwise(heights))
+
+
 # ---- back in time ----
+
+
+def test_a_robot_that_stood_has_been_there_since_it_arrived(station: Make, visit: Visit) -> None:
+    here = station(enable_drive=False)
+    now_s = time.time()
+    here.hub._history.path.clear()
+    here.hub._history.add_place(now_s - 300, 1.0, 0.0, 0.0)
+    page = visit(here.url, init=WRITES)
+    ready(page)
+    page.locator("#map-past").click()
+    page.locator("#past-at").fill("-100")
+    page.wait_for_function("Object.keys(written).some((text) => text.startsWith('here '))")
+    texts = page.evaluate("Object.keys(written).filter((text) => text.startsWith('here '))")
+    since = time.strftime("%H:%M:%S", time.localtime(now_s - 300))
+    assert texts == [f"here since {since}"]
 
 
 def test_map_and_plots_go_back_in_time_and_stop_stays_live(station: Make, visit: Visit) -> None:
@@ -559,6 +596,13 @@ def test_map_and_plots_go_back_in_time_and_stop_stays_live(station: Make, visit:
     assert x_m == pytest.approx(0.1 * (300 - (now_s - time_s)), abs=0.11)
     shown_s = page.evaluate("Number(document.getElementById('plots').dataset.until)")
     assert shown_s == pytest.approx(time_s + 15, abs=1.5)
+    # Map, slider and plot say the same moment, wherever the slider was before.
+    moment = (page.locator("#past-text").text_content() or "").split(",")[0]
+    expect(page.locator(".u-legend .u-value").first).to_have_text(moment)
+    page.locator("#past-at").fill("-60")
+    expect(page.locator("#past-text")).not_to_contain_text(moment)
+    moment = (page.locator("#past-text").text_content() or "").split(",")[0]
+    expect(page.locator(".u-legend .u-value").first).to_have_text(moment)
     expect(page.locator("#past-text")).to_contain_text("ago")
     page.locator("#stop").click()
     here.wait_for_stop_pressed()

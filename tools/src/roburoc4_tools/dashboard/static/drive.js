@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Control of the robot: taking it, arming, stopping, and sending the inputs with each frame.
-import { by, figure, mark, put, show, trip } from "./text.js";
+import { by, figure, mark, put, show } from "./text.js";
 import { B, FASTER, Inputs } from "./inputs.js";
 import { RECORDED } from "./states.js";
 
@@ -218,12 +218,12 @@ export class Drive {
     if (!this.offered) return "Start roburoc4 dashboard with --enable-drive to drive from here.";
     if (this.refusal) return this.refusal;
     if (frame.state !== "ready") return "Nothing can be driven: the robot does not answer.";
-    if (!this.mine) return frame.driver === null ? "One page at a time can drive: take control, then arm." : frame.asker === this.page ? `Page “${frame.driver_name}” was asked. You get control when it agrees, or when it is gone.` : this.relieves ? `Page “${frame.driver_name}” has control and drives nothing.` : `Page “${frame.driver_name}” has control. STOP works from every page.`;
-    if (frame.going) return `The robot goes by itself: ${trip(frame, frame.going, frame.going_m_s)}. Any key or deflection, Escape, or leaving this page ends that.`;
+    if (this.recorded) return RECORDED;
+    if (!this.mine) return frame.driver === null ? "One page at a time can drive: take control, then arm." : frame.asker === this.page ? `Page “${frame.driver_name}” was asked. You get control when it agrees, or when it is gone.` : `“${frame.driver_name}” has control${this.relieves ? " and drives nothing." : ". STOP works from every page."}`;
+    if (frame.going) return "Any key, any deflection, or leaving this page ends the drive.";
     if (armed && frame.must_let_go) return "Armed: let go of everything once, then drive.";
     if (armed && this.inputs.unrepeated) return "Ready: the key stopped repeating, so it counts as released. Press it again. If the system does not repeat keys, drive with the game pad or the stick.";
     if (armed) return `Ready: ${this.inputs.hint()}. Letting go stops.`;
-    if (this.recorded) return RECORDED;
     if (frame.facts.blocked) return `Not ready to arm: ${frame.facts.blocked}.`;
     return frame.facts.charger ? "The charger is plugged in: switch charger and platform off and unplug it, then arm." : "Is the way clear, an emergency stop in hand? Then arm.";
   }

@@ -203,6 +203,7 @@ export class RobotMap {
       this.inFrame(pose, () => this.paintRobot(this.frame.facts));
       this.paintDistances(pose);
     }
+    this.names = [];
     for (const robot of this.frame.fleet) if (robot.pose) this.paintFleet(robot, robot.name === this.about.name);
     const { wanted } = this.chosen;
     if (wanted) {
@@ -228,7 +229,7 @@ export class RobotMap {
     if (!then) return;
     this.inFrame(then, () => this.paintRobot({}));
     const [px, py] = this.at(then.x_m, then.y_m);
-    const text = `here at ${clock.format(then.time_s * 1000)}`;
+    const text = `here since ${clock.format(then.time_s * 1000)}`;
     this.label(text, ...this.inside(text, px, py - 20), this.ink.text);
   }
 
@@ -253,13 +254,16 @@ export class RobotMap {
     this.label(text, px, py - 20, ink.text);
   }
 
-  /** Each robot's name at its pose; for those that are not shown in full, also an outline and the goal. */
+  /** Each robot's name at its pose, or below another's; for those that are not shown in full, also an outline and the goal. */
   paintFleet({ name, pose, state, going }, chosen) {
     if (pose.x_m === null || pose.y_m === null || pose.theta_rad === null) return;
     const ink = state === "ready" ? this.ink[inkOf(this.frame.fleet, name)] : this.ink.soft;
     if (!chosen) this.outline(pose, ink);
     if (!chosen && going) this.paintGoal(going, `${name} goes here`, pose);
-    const [px, py] = this.at(pose.x_m, pose.y_m);
+    let [px, py] = this.at(pose.x_m, pose.y_m);
+    const high = 16 * this.larger;
+    while (this.names.some(([x, y]) => Math.abs(x - px) < 4 * high && Math.abs(y - py) < high)) py += high;
+    this.names.push([px, py]);
     this.label(name, px, py + 4, ink);
   }
 

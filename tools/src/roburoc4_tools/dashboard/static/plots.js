@@ -236,8 +236,10 @@ export class Plots {
     put(by("plot-span"), length < 60 ? `${figure(length, length < 10 ? 1 : 0)} s` : length < 3600 ? `${figure(length / 60, 0)} min` : `${figure(length / 3600, 0)} h`);
     for (const plot of this.plots) {
       const data = [this.times, ...plot.signals.map(({ id }) => { const column = this.column(id); column.length = this.times.length; return column; })];
-      plot.setData(data, false);
-      plot.setScale("x", { min, max });
+      plot.batch(() => {
+        plot.setData(data, false);
+        plot.setScale("x", { min, max });
+      });
       if (this.moment && this.paused) plot.setCursor({ left: plot.valToPos(this.moment, "x"), top: 5 });
       // The legend shows the newest values, unless the pointer is on the plot.
       else if (plot.cursor.left < 0) plot.setLegend({ idx: this.times.length ? this.times.length - 1 : null });
