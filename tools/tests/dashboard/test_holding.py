@@ -352,6 +352,20 @@ def test_a_phone_that_stands_shows_the_whole_hint(station: Make, visit: Visit) -
     assert page.locator("#drive-why").evaluate(shown)
 
 
+CUT_OFF = """() => {
+    const banner = document.getElementById("banner");
+    // Another alarm, of a loaded machine, makes the names short again.
+    if (innerWidth < 400 && !banner.classList.contains("names")) banner.click();
+    const room = banner.getBoundingClientRect();
+    return [...document.querySelectorAll("#banner-more li")].filter((node) => {
+        const box = node.getBoundingClientRect();
+        return box.top < room.top || box.bottom > room.bottom
+            || node.scrollWidth > node.clientWidth + 1
+            || parseFloat(getComputedStyle(node).fontSize) <= 8;
+    }).map((node) => node.textContent);
+}"""
+
+
 @pytest.mark.parametrize("size", [*SMALL, (390, 844)])
 def test_a_phone_shows_the_whole_hint_and_the_names_of_all_alarms(
     size: tuple[int, int], station: Make, visit: Visit
@@ -376,15 +390,7 @@ def test_a_phone_shows_the_whole_hint_and_the_names_of_all_alarms(
     expect(page.locator("#banner-more li")).to_have_text(["CHARGER PLUGGED IN", "BATTERY LOW"])
     if size[0] < 400:
         page.locator("#banner").tap()
-    room = page.locator("#banner").bounding_box()
-    assert room is not None
-    for alarm in page.locator("#banner-more li").all():
-        box = alarm.bounding_box()
-        assert box is not None
-        assert box["y"] >= room["y"]
-        assert box["y"] + box["height"] <= room["y"] + room["height"]
-        assert alarm.evaluate("(node) => node.scrollWidth <= node.clientWidth + 1"), "cut off"
-        assert float(alarm.evaluate("(node) => parseFloat(getComputedStyle(node).fontSize)")) > 8
+    assert page.evaluate(CUT_OFF) == []
 
 
 WHOLE = "(node) => node.checkVisibility() && node.scrollHeight <= node.clientHeight + 1"
