@@ -328,16 +328,13 @@ static uint32_t pause_us(const drive *d, const roburoc4_config *config) {
     return d->lease_us / 2 < period_us ? d->lease_us / 2 : period_us;
 }
 
-static void end_stop_sequence(drive *d, uint32_t now_us, uint32_t *events) {
+static void end_stop_sequence(drive *d, uint32_t *events) {
     d->stopping = 0;
     if (d->confirmed) {
         d->outcome = ROBUROC4_STOP_CONFIRMED;
+        d->unconfirmed = 0;
     } else if (d->overridden) {
         d->outcome = ROBUROC4_STOP_OVERRIDDEN;
-    }
-    if (d->confirmed && d->unconfirmed) {
-        d->unconfirmed = 0;
-        d->envelope_us = now_us;
     }
     *events |= d->confirmed ? ROBUROC4_EVENT_STOPPED : ROBUROC4_EVENT_STOP_UNCONFIRMED;
 }
@@ -377,7 +374,7 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
                          uint32_t *events) {
     memset(speeds, 0, sizeof d->sent);
     if (d->stopping && stop_sequence_over(d, config, t)) {
-        end_stop_sequence(d, t->now_us, events);
+        end_stop_sequence(d, events);
     }
     if (d->stopping ? !zero_due(d, config, t) : !speed_due(d, config, t)) {
         return false;

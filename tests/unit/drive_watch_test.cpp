@@ -130,6 +130,22 @@ TEST(OtherCommander, MayUseTheSpeedThatWeUsedLongAgo) {
     EXPECT_EQ(1, bench.facts().other_commander) << "nothing was sent for seconds";
 }
 
+TEST(OtherCommander, MayUseTheSpeedThatWeUsedLongAgoHoweverOftenWeStopped) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 300 * ms));
+    for (int i = 0; i < 8; i++) {
+        bench.pause();
+        bench.run(300 * ms);
+        ASSERT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome) << i;
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.2F, 0, 400 * ms)) << i;
+    }
+    robot.follows = false;
+    robot.target_linear = 1;
+    EXPECT_EQ(ROBUROC4_ERR_OTHER_COMMANDER, bench.drive_until_refused(0.2F, 0, 400 * ms));
+}
+
 TEST(OtherCommander, IsNotARobotThatDropsItsTargetsItself) {
     ScriptedRobot robot;
     robot.follows = false; /* its targets stay 0 */

@@ -55,9 +55,9 @@ static bool is_zero(float value);
 static float clamp(float value, float low, float high);
 /*@ assigns t->wait_us; */
 static bool stop_sequence_over(const drive *d, const roburoc4_config *config, timer *t);
-/*@ assigns d->stopping, d->outcome, d->unconfirmed, d->envelope_us, *events;
+/*@ assigns d->stopping, d->outcome, d->unconfirmed, *events;
     ensures d->stopping == 0; */
-static void end_stop_sequence(drive *d, uint32_t now_us, uint32_t *events);
+static void end_stop_sequence(drive *d, uint32_t *events);
 /*@ assigns \nothing; */
 static uint32_t pause_us(const drive *d, const roburoc4_config *config);
 /*@ assigns d->zeros_sent, d->stop_us, t->wait_us; */
