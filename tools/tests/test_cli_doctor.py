@@ -2,13 +2,14 @@
 """`roburoc4 doctor`: each staged fault has its own verdict."""
 
 import errno
+import itertools
 import json
 import select
 import socket
 import subprocess
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -37,6 +38,10 @@ def _socket() -> Iterator[socket.socket]:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as somebody:
         somebody.bind(("127.0.0.1", 0))
         yield somebody
+
+
+def _address(somebody: socket.socket) -> str:
+    return f"127.0.0.1:{somebody.getsockname()[1]}"
 
 
 def test_a_good_link_is_healthy() -> None:
@@ -72,7 +77,7 @@ def test_fault_refused() -> None:
 
 def test_fault_silence() -> None:
     with _socket() as somebody:
-        found = _verdict(robot=f"127.0.0.1:{somebody.getsockname()[1]}")
+        found = _verdict(robot=_address(somebody))
     assert (found["name"], found["exit"]) == ("silence", 3)
     assert found["asked"] > 3
     assert found["answered"] == 0
@@ -87,8 +92,10 @@ def test_fault_no_statuses() -> None:
 
 
 @contextmanager
-def _from_another_port(robot: str) -> Iterator[tuple[str, str]]:
-    """Serve a robot whose statuses come from another port; both addresses."""
+def _relayed(
+    robot: str, front: socket.socket, answer: Callable[[bytes, tuple[str, int]], object]
+) -> Iterator[None]:
+    """Pass what arrives at ``front`` on to the robot, and what comes back to ``answer``."""
     host, _, port = robot.rpartition(":")
     to_robot: dict[tuple[str, int], socket.socket] = {}
     ended = threading.Event()
@@ -105,18 +112,29 @@ def _from_another_port(robot: str) -> Iterator[tuple[str, str]]:
                 else:
                     data = ready.recv(2048)
                     (client,) = [c for c, upstream in to_robot.items() if upstream is ready]
-                    (other if data[:1] == b"\xff" else front).sendto(data, client)
+                    answer(data, client)
 
+    thread = threading.Thread(target=relay)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
+        for upstream in to_robot.values():
+            upstream.close()
+
+
+@contextmanager
+def _from_another_port(robot: str) -> Iterator[tuple[str, str]]:
+    """Serve a robot whose statuses come from another port; both addresses."""
     with _socket() as front, _socket() as other:
-        thread = threading.Thread(target=relay)
-        thread.start()
-        try:
-            yield tuple(f"127.0.0.1:{s.getsockname()[1]}" for s in (front, other))
-        finally:
-            ended.set()
-            thread.join()
-            for upstream in to_robot.values():
-                upstream.close()
+
+        def answer(data: bytes, client: tuple[str, int]) -> None:
+            (other if data[:1] == b"\xff" else front).sendto(data, client)
+
+        with _relayed(robot, front, answer):
+            yield _address(front), _address(other)
 
 
 def test_fault_statuses_from_another_port() -> None:
@@ -174,39 +192,19 @@ def test_fault_damaged() -> None:
 
 @contextmanager
 def _bits_flipped(robot: str) -> Iterator[str]:
-    """A relay to the robot that flips one bit in every fifth datagram from it."""
-    host, _, port = robot.partition(":")
-    ended = threading.Event()
-    with _socket() as ours:
-        behind: dict[object, socket.socket] = {}
+    """Serve the robot with one bit flipped in every fifth datagram from it."""
+    counts = itertools.count(1)
+    with _socket() as front:
 
-        def relay() -> None:
-            flips = 0
-            while not ended.is_set():
-                for ready in select.select([ours, *behind.values()], [], [], 0.1)[0]:
-                    data, source = ready.recvfrom(2048)
-                    if ready is ours:
-                        if source not in behind:
-                            behind[source] = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-                            behind[source].connect((host, int(port)))
-                        behind[source].send(data)
-                        continue
-                    flips += 1
-                    damaged = bytearray(data)
-                    if flips % 5 == 0:
-                        damaged[flips // 5 * 7 % len(data)] ^= 1 << flips // 5 % 8
-                    client = next(who for who, behind_it in behind.items() if behind_it is ready)
-                    ours.sendto(damaged, client)
+        def answer(data: bytes, client: tuple[str, int]) -> None:
+            flips, rest = divmod(next(counts), 5)
+            damaged = bytearray(data)
+            if rest == 0:
+                damaged[flips * 7 % len(data)] ^= 1 << flips % 8
+            front.sendto(damaged, client)
 
-        thread = threading.Thread(target=relay)
-        thread.start()
-        try:
-            yield f"127.0.0.1:{ours.getsockname()[1]}"
-        finally:
-            ended.set()
-            thread.join()
-            for each in behind.values():
-                each.close()
+        with _relayed(robot, front, answer):
+            yield _address(front)
 
 
 def test_single_bits_that_flip_are_damage_not_a_restart() -> None:
@@ -278,7 +276,7 @@ def test_fault_something_else_is_there() -> None:
 
         thread = threading.Thread(target=babble)
         thread.start()
-        found = _verdict(robot=f"127.0.0.1:{somebody.getsockname()[1]}")
+        found = _verdict(robot=_address(somebody))
         ended.set()
         thread.join()
     assert (found["name"], found["exit"]) == ("discovery", 1)
