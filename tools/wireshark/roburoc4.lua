@@ -479,13 +479,14 @@ local function learn_answer(record, v, pinfo)
     end
 end
 
-local function late_ms(offset, v, pinfo)
-    return (pinfo.rel_ts - v.cycles * CYCLE_S - offset) * 1000
+-- How far the capture's clock is ahead of the robot's: least with the soonest status.
+local function offset_of(v, pinfo)
+    return pinfo.rel_ts - v.cycles * CYCLE_S
 end
 
 local function learn_lateness(record, v, pinfo)
     local client = record.client
-    local offset = pinfo.rel_ts - v.cycles * CYCLE_S
+    local offset = offset_of(v, pinfo)
     if client.offset == nil or offset < client.offset then
         client.offset = offset
     end
@@ -989,7 +990,7 @@ local function show_conclusions(tree, record, v, pinfo, is_new)
             add_generated(tree, f_period, record.periods[v.service])
         end
         if record.offset ~= nil then
-            add_generated(tree, f_late_ms, late_ms(record.offset, v, pinfo))
+            add_generated(tree, f_late_ms, (offset_of(v, pinfo) - record.offset) * 1000)
         end
     end
     if record.lost ~= nil then
