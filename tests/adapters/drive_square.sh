@@ -1,25 +1,19 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# drive_square.sh CASE SIMULATOR DRIVE_SQUARE JUDGE: the example drive_square against the simulator
-# as real processes. CASE is what happens: square, absent, estop, interrupted.
+# drive_square.sh CASE SIMULATOR DRIVE_SQUARE: the example drive_square against the simulator as real
+# processes. CASE is what happens: absent, estop, interrupted. scripts/demo drives the whole square.
 set -eu
 case_name=$1
 simulator_program=$2
 drive_square=$3
-judge=$4
 # shellcheck source=tests/adapters/simulator.sh
 . "$(dirname "$0")/simulator.sh"
 restart() {
-    exec sh "$0" "$case_name" "$simulator_program" "$drive_square" "$judge"
+    exec sh "$0" "$case_name" "$simulator_program" "$drive_square"
 }
 
 case $case_name in
-square)
-    start "$simulator_program" --loss 0.05 --jitter-ms 5 --duplicate 0.01 --reorder 0.01
-    drive 0 "$drive_square" "$robot" path.csv
-    awk -f "$judge" path.csv
-    ;;
 absent)
     # Port 9 of this machine: nobody listens there.
     drive 3 "$drive_square" 127.0.0.1:9
