@@ -18,6 +18,7 @@
 #include "clock.h"
 #include "filter.h"
 #include "log.h"
+#include "network.h"
 #include "options.h"
 #include "robot.h"
 #include "text.h"
@@ -101,7 +102,8 @@ static bool may_drive(void) {
  * of 59 bytes ends the bridge. Where the system cannot drop such packets, such a bridge must not
  * drive. */
 static bool bear_with_old_lcm(void) {
-    const uint16_t port = options_lcm_port(&settings);
+    const char *source = NULL;
+    const uint16_t port = network_port(options_lcm_url(&settings, &source));
     if ((!ROBUROC4_LCM_IS_OLD && &lcm_subscription_get_queue_size != NULL) || port == 0 ||
         filter_fragments(port)) {
         return true;

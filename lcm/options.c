@@ -12,7 +12,9 @@
 #include <unistd.h>
 
 #include "ini.h"
+#include "network.h"
 #include "roburoc4_robot_file.h"
+#include "text.h"
 
 #define MAX_FILE_BYTES (1 << 20)
 /* Statuses older than this do not count for driving (roburoc4_config.fresh_ms). */
@@ -113,87 +115,8 @@ static bool refuse(reading *reading, const char *remedy) {
 
 /* --------------------------------------------------------------------------- option values --- */
 
-/* Parse a number of at most `max` at *text and move *text behind it. */
-static bool number(const char **text, uint32_t max, uint32_t *out) {
-    size_t length = strspn(*text, "0123456789");
-    if (length == 0 || length > 9) {
-        return false;
-    }
-    *out = (uint32_t)strtoul(*text, NULL, 10);
-    *text += length;
-    return *out <= max;
-}
-
 static bool whole(const char *text, uint32_t min, uint32_t max, uint32_t *out) {
-    return number(&text, max, out) && *text == '\0' && *out >= min;
-}
-
-/* ADDRESS or ADDRESS:PORT of a multicast group, or nothing, up to the URL's end or '?'. */
-static bool is_group(const char *text) {
-    uint32_t part = 0;
-    if (*text == '\0' || *text == '?') {
-        return true;
-    }
-    for (int at = 0; at < 4; at++) {
-        if ((at > 0 && *text++ != '.') || !number(&text, 255, &part) ||
-            (at == 0 && (part < 224 || part > 239))) {
-            return false;
-        }
-    }
-    if (*text == ':') {
-        text++;
-        if (!number(&text, 65535, &part) || part == 0) {
-            return false;
-        }
-    }
-    return *text == '\0' || *text == '?';
-}
-
-/* `ttl=N&recv_buf_size=BYTES`, in any order, each once: LCM ignores what it does not know, and a
- * bridge that is heard by nobody, or by everybody, would be the result. */
-static bool is_query(const char *text) {
-    static const struct {
-        const char *key;
-        uint32_t max;
-    } keys[] = {{"ttl=", 255}, {"recv_buf_size=", 999999999}};
-    uint32_t value = 0;
-    bool seen[2] = {false, false};
-    for (;; text++) {
-        size_t at = 0;
-        while (at < 2 && strncmp(text, keys[at].key, strlen(keys[at].key)) != 0) {
-            at++;
-        }
-        if (at == 2 || seen[at]) {
-            return false;
-        }
-        seen[at] = true;
-        text += strlen(keys[at].key);
-        if (!number(&text, keys[at].max, &value) || (*text != '\0' && *text != '&')) {
-            return false;
-        }
-        if (*text == '\0') {
-            return true;
-        }
-    }
-}
-
-/* LCM's other networks, tcpq and file, can block inside LCM: then no stop would be sent, and
- * signals would not be noticed. A file is a log, which must not drive. */
-static const char *url_remedy(const char *url) {
-    static const char udpm[] = "udpm://";
-    static const char memq[] = "memq://";
-    if (url[0] == '\0' || strncmp(url, memq, strlen(memq)) == 0) {
-        return NULL;
-    }
-    if (strncmp(url, udpm, strlen(udpm)) != 0 || !is_group(url + strlen(udpm))) {
-        return "the bridge has no such LCM network; give udpm://ADDRESS:PORT?ttl=N, such as "
-               "'udpm://239.255.76.67:7667?ttl=0'";
-    }
-    const char *query = strchr(url, '?');
-    return query == NULL || is_query(query + 1)
-               ? NULL
-               : "after the ? give ttl=0 (this machine) to ttl=255, recv_buf_size=BYTES, or both "
-                 "with & between them";
+    return text_number(&text, max, out) && *text == '\0' && *out >= min;
 }
 
 /* Where a setting is allowed: on the command line (by pass), and in the file. */
@@ -245,7 +168,7 @@ static bool copy_text(reading *reading, char *room, const char *value) {
 
 /* The command line takes precedence. */
 static bool set_url(reading *reading, const known_option *option, const char *value) {
-    const char *remedy = url_remedy(value);
+    const char *remedy = network_remedy(value);
     (void)option;
     if (reading->in_file && reading->out->lcm_url[0] != '\0') {
         return true;
@@ -385,9 +308,8 @@ static bool set_ceiling(reading *reading, const known_option *option, const char
     return true;
 }
 
-#define SERVICES 5
-static const char *const services[SERVICES] = {"iocard", "telemeter", "battery", "localization",
-                                               "differential"};
+const char *const options_services[OPTIONS_SERVICES] = {"iocard", "telemeter", "battery",
+                                                        "localization", "differential"};
 
 static bool set_period(reading *reading, const known_option *option, const char *value) {
     roburoc4_config *config = &reading->robot->config;
@@ -395,11 +317,11 @@ static bool set_period(reading *reading, const known_option *option, const char 
     uint32_t at = 0;
     size_t length = strcspn(value, "=");
     (void)option;
-    while (at < SERVICES &&
-           (strlen(services[at]) != length || memcmp(services[at], value, length) != 0)) {
+    while (at < OPTIONS_SERVICES && (strlen(options_services[at]) != length ||
+                                     memcmp(options_services[at], value, length) != 0)) {
         at++;
     }
-    if (at == SERVICES || value[length] == '\0' ||
+    if (at == OPTIONS_SERVICES || value[length] == '\0' ||
         !whole(value + length + 1, 0, 2550, &period_ms) || period_ms % 10 != 0) {
         return refuse(reading, "give SERVICE=MS; SERVICE is iocard, telemeter, battery, "
                                "localization or differential, MS is 0 or 10 to 2550 in steps of "
@@ -610,7 +532,7 @@ static const char letters[] = ":r:c:l:p:vqh";
 /* What getopt_long() returns for the long form of known[0]. */
 #define FIRST_LONG 256
 
-/* ----------------------------------------------------------------------------- the network --- */
+/* ------------------------------------------------------------------------------- the whole --- */
 
 const char *options_lcm_url(const options *options, const char **source) {
     const char *url = options->lcm_url;
@@ -622,30 +544,13 @@ const char *options_lcm_url(const options *options, const char **source) {
     return url != NULL ? url : "";
 }
 
-uint16_t options_lcm_port(const options *options) {
-    const char *source = NULL;
-    const char *url = options_lcm_url(options, &source);
-    const char *colon = strncmp(url, "udpm://", 7) == 0 ? strchr(url + 7, ':') : NULL;
-    uint32_t port = 7667; /* LCM's default */
-    if (strncmp(url, "memq", 4) == 0) {
-        return 0;
-    }
-    if (colon != NULL) {
-        colon++;
-        (void)number(&colon, 65535, &port);
-    }
-    return (uint16_t)port;
-}
-
 /* What LCM will use, also from the environment. */
 static bool check_network(reading *reading) {
     const char *source = NULL;
     const char *url = options_lcm_url(reading->out, &source);
-    const char *remedy = url_remedy(url);
+    const char *remedy = network_remedy(url);
     return remedy == NULL || complain(reading, "%s %s: %s", source, url, remedy);
 }
-
-/* ------------------------------------------------------------------------------- the whole --- */
 
 static bool check_channels(reading *reading) {
     options *out = reading->out;
@@ -995,69 +900,4 @@ enum options_result options_resolve(options *out, char *error, size_t error_size
         all = result == OPTIONS_RUN ? all : result;
     }
     return all;
-}
-
-/* ------------------------------------------------------------------------------------ check --- */
-
-static void print_channels(const options_robot *robot) {
-    channel_names usual;
-    const char *prefix = robot->name[0] != '\0' ? robot->name : NULL;
-    (void)printf("    stop by %s", robot->channels.name[CHANNEL_STOP_CMD]);
-    if (robot->rules.enabled[GATE_DRIVE]) {
-        (void)printf(", drive by %s", robot->channels.name[CHANNEL_DRIVE_CMD]);
-    }
-    (void)printf(", state on %s\n", robot->channels.name[CHANNEL_BRIDGE_STATE]);
-    for (uint32_t at = 0; prefix != NULL && channels_set_prefix(&usual, prefix) && at < CHANNELS;
-         at++) {
-        if (strcmp(usual.name[at], robot->channels.name[at]) != 0) {
-            (void)printf("    channel %s%s%s\n", robot->channels.name[at],
-                         usual.name[at][0] != '\0' ? " instead of " : "", usual.name[at]);
-        }
-    }
-}
-
-static void print_robot(const options_robot *robot) {
-    static const char *const kinds[] = {"drive", "relocalize", "outputs"};
-    char address[ROBUROC4_ADDRESS_TEXT_SIZE] = "NO ADDRESS";
-    bool any = false;
-    if (robot->address.family != 0) {
-        (void)roburoc4_udp_address_text(&robot->address, address, sizeof address);
-    }
-    (void)printf("%s: %s (%s)\n    obeys stop", robot->name[0] != '\0' ? robot->name : "robot",
-                 address, robot->host);
-    for (uint32_t kind = 0; kind < GATE_STOP; kind++) {
-        any = any || robot->rules.enabled[kind];
-        (void)printf("%s%s", robot->rules.enabled[kind] ? ", " : "",
-                     robot->rules.enabled[kind] ? kinds[kind] : "");
-    }
-    (void)printf(
-        "%s; at most %g m/s and %g rad/s; lease at most %u ms, commands at most %u ms old%s\n"
-        "    statuses:",
-        any ? "" : " only", (double)robot->config.max_linear_m_s,
-        (double)robot->config.max_angular_rad_s, (unsigned)robot->rules.lease_us / 1000u,
-        (unsigned)robot->rules.max_age_us / 1000u,
-        robot->rules.max_age_us == 0 ? " (ANY AGE)" : "");
-    for (uint32_t at = 0; at < SERVICES; at++) {
-        uint32_t service = ROBUROC4_SERVICE_IOCARD + at;
-        bool wanted = (robot->config.subscriptions >> service & 1u) != 0;
-        (void)printf(wanted ? " %s %u ms" : " %s none", services[at],
-                     (unsigned)robot->config.period_ms[service]);
-    }
-    (void)printf("\n");
-    if (robot->allowed[0] != '\0') {
-        (void)printf("    only from senders %s\n", robot->allowed);
-    }
-    print_channels(robot);
-}
-
-void options_print(const options *options) {
-    const char *source = NULL;
-    const char *url = options_lcm_url(options, &source);
-    (void)printf("network: %s\n", url[0] != '\0' ? url : "LCM's default");
-    if (options->fleet_stop[0] != '\0') {
-        (void)printf("all robots are stopped by %s\n", options->fleet_stop);
-    }
-    for (uint32_t at = 0; at < options->robot_count; at++) {
-        print_robot(&options->robots[at]);
-    }
 }

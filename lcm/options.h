@@ -22,6 +22,7 @@ extern "C" {
 #define OPTIONS_ERROR_SIZE 400
 #define OPTIONS_MAX_TEXT 255
 #define OPTIONS_FLEET_STOP UINT32_MAX
+#define OPTIONS_SERVICES 5
 
 /* A robot and its own settings. */
 typedef struct options_robot {
@@ -60,8 +61,6 @@ enum options_result options_read_text(const char *name, const char *text, size_t
 /* The URL that LCM will use ("" for its own default), and its source: "lcm-url" or the name of the
  * variable. */
 const char *options_lcm_url(const options *options, const char **source);
-/* The port of that network; 0 if it has none. */
-uint16_t options_lcm_port(const options *options);
 /* Resolve the robots' names. Returns OPTIONS_RUN, _BAD (an invalid port, or two robots with one
  * address), or _NO_ADDRESS (for any robot). Asks the name server if there are names. */
 enum options_result options_resolve(options *out, char *error, size_t error_size);
@@ -69,6 +68,8 @@ enum options_result options_resolve(options *out, char *error, size_t error_size
 bool options_allows(const options_robot *robot, const char *sender, size_t length);
 void options_print(const options *options);
 extern const char options_help[];
+/* By their names in --period-ms, from ROBUROC4_SERVICE_IOCARD on. */
+extern const char *const options_services[OPTIONS_SERVICES];
 
 #ifdef __cplusplus
 }

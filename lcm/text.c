@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "text.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static bool is_continuation(uint8_t byte) {
@@ -73,4 +74,14 @@ void text_for_terminal(char *room, size_t capacity, const char *text, size_t len
         after_c2 = byte == 0xC2;
     }
     room[at] = '\0';
+}
+
+bool text_number(const char **text, uint32_t max, uint32_t *out) {
+    size_t length = strspn(*text, "0123456789");
+    if (length == 0 || length > 9) {
+        return false;
+    }
+    *out = (uint32_t)strtoul(*text, NULL, 10);
+    *text += length;
+    return *out <= max;
 }
