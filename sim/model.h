@@ -17,6 +17,9 @@
 #define SIM_BODY_LENGTH_M 1.310
 #define SIM_BODY_WIDTH_M 0.750
 #define SIM_WALL_THICKNESS_M 0.1
+/* The share of a way that is lost where all of a turn would be. */
+#define SIM_SLIP_AHEAD 0.1
+#define SIM_MAX_SLIP 0.9f
 
 #define SIM_PAD_BUTTONS (ROBUROC4_DI_PAD_RB - ROBUROC4_DI_PAD_A + 1)
 #define SIM_PAD_AXES (ROBUROC4_AI_PAD_RT - ROBUROC4_AI_PAD_LJ_X + 1)

@@ -194,7 +194,7 @@ static sim_speed slip(roburoc4_sim *sim, sim_speed wheels) {
     sim->slip_noise = 0.98 * sim->slip_noise + 0.1 * sim_random_signed(&sim->random);
     sim->drift_noise = 0.995 * sim->drift_noise + 0.05 * sim_random_signed(&sim->random);
     sim_speed body;
-    body.linear_m_s = wheels.linear_m_s * (1.0 - 0.1 * share);
+    body.linear_m_s = wheels.linear_m_s * (1.0 - SIM_SLIP_AHEAD * share);
     body.angular_rad_s = wheels.angular_rad_s * (1.0 - share * (1.0 + 0.3 * sim->slip_noise)) +
                          0.05 * share * sim->drift_noise * wheels.linear_m_s;
     return body;

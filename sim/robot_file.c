@@ -47,6 +47,22 @@ static void shift_inputs(roburoc4_sim_config *config, const roburoc4_robot_file 
     }
 }
 
+/* Its pose counts odometry_scale times what the wheels turn, of which slip is lost. */
+static void keep_scales(roburoc4_sim_config *config, const roburoc4_robot_file *file) {
+    float linear = 0.0f;
+    float angular = 0.0f;
+    bool known_linear = known(file, "scale_linear", &linear);
+    if (known(file, "scale_angular", &angular)) {
+        double counted = known_linear ? (double)linear : (double)config->odometry_scale;
+        double lost = known_linear ? SIM_SLIP_AHEAD : 0.0;
+        double slip = ((double)angular - counted) / ((double)angular - lost * counted);
+        config->slip = slip < 0.0 ? 0.0f : slip > SIM_MAX_SLIP ? SIM_MAX_SLIP : (float)slip;
+    }
+    if (known_linear) {
+        config->odometry_scale = linear * (1.0f - (float)SIM_SLIP_AHEAD * config->slip);
+    }
+}
+
 void roburoc4_sim_config_robot_file(roburoc4_sim_config *config, const roburoc4_robot_file *file) {
     const char *name = NULL;
     float value = 0.0f;
@@ -58,9 +74,7 @@ void roburoc4_sim_config_robot_file(roburoc4_sim_config *config, const roburoc4_
     if (known(file, "robot_watchdog_ms", &value)) {
         config->watchdog_cycles = (uint32_t)(value / 10.0f + 0.5f);
     }
-    if (known(file, "scale_angular", &value) && value >= 1.0f) {
-        config->slip = 1.0f - 1.0f / value;
-    }
+    keep_scales(config, file);
     shift_inputs(config, file);
     keep_ids_apart(config, file);
 }

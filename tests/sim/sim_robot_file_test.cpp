@@ -39,6 +39,31 @@ TEST(RobotFileOfSimulator, IsThatRobot) {
     EXPECT_EQ(-2.6F, config.min_linear_m_s);
 }
 
+TEST(RobotFileOfSimulator, CountsItsWayAndTurnAsTheScalesSay) {
+    struct {
+        const char *text;
+        double scale_linear, scale_angular;
+    } const files[] = {
+        {"odometry_scale = 1.302\nscale_linear = 1.317\nscale_angular = 1.467\n", 1.317, 1.467},
+        {"scale_linear = 0.9\nscale_angular = 1.2\n", 0.9, 1.2},
+        {"odometry_scale = 1.302\nscale_angular = 1.467\n", 1.317, 1.467},
+    };
+    for (const auto &file : files) {
+        const roburoc4_sim_config config = config_of(file.text);
+        const double counted = config.odometry_scale;
+        const double slip = config.slip;
+        EXPECT_NEAR(file.scale_linear, counted / (1.0 - 0.1 * slip), 1e-3) << file.text;
+        EXPECT_NEAR(file.scale_angular, counted / (1.0 - slip), 1e-3) << file.text;
+    }
+}
+
+TEST(RobotFileOfSimulator, DoesNotSlipWhereItsWheelsCountLessInTurns) {
+    const roburoc4_sim_config config = config_of("scale_linear = 1.2\nscale_angular = 1.1\n");
+    EXPECT_EQ(0.0F, config.slip);
+    EXPECT_FLOAT_EQ(1.2F, config.odometry_scale);
+    EXPECT_EQ(0.9F, config_of("odometry_scale = -1\nscale_angular = 1.1\n").slip);
+}
+
 TEST(RobotFileOfSimulator, GivesServicesThatItDoesNotKnowFreeIds) {
     const roburoc4_sim_config config = config_of("iocard_id = 6\nbattery_id = 2\n");
     EXPECT_EQ(6, config.service_ids[ROBUROC4_SERVICE_IOCARD]);
