@@ -450,6 +450,16 @@ def test_what_drives_by_pad_and_key_has_room_on_a_desktop(station: Make, visit: 
             assert page.locator(name).evaluate(shown), (name, inputs)
 
 
+def test_why_a_key_no_longer_counts_can_be_read_whole(station: Make, visit: Visit) -> None:
+    page = visit(station().url, viewport={"width": 1280, "height": 800})
+    arm(page)
+    page.evaluate("window.repeats = false; 0")
+    page.keyboard.down("w")
+    why = page.locator("#drive-why")
+    expect(why).to_contain_text("the key stopped repeating")
+    assert why.evaluate("(node) => node.scrollHeight - node.clientHeight") <= 0
+
+
 def test_headings_miss_no_level_in_any_size(station: Make, visit: Visit) -> None:
     page = visit(station().url)
     ready(page)

@@ -276,6 +276,16 @@ def test_nothing_sounds_live_when_the_connection_is_lost(station: Make, visit: V
     expect(page.locator("#arm")).to_be_disabled()
 
 
+def test_what_is_known_of_a_lost_robot_has_an_age(station: Make, visit: Visit) -> None:
+    here, page = armed(station, visit)
+    battery = page.locator("#gauge-text")
+    live = battery.evaluate("(node) => getComputedStyle(node).color")
+    here.sim.set("power", False)
+    expect(page.locator("#banner")).to_contain_text("ROBOT LOST")
+    expect(page.locator("#quality-say")).to_have_text("Lost 3\u202fs")
+    assert battery.evaluate("(node) => getComputedStyle(node).color") != live
+
+
 def test_nothing_can_be_answered_set_or_recorded_without_a_connection(
     station: Make, visit: Visit
 ) -> None:
@@ -610,6 +620,8 @@ def test_map_and_plots_go_back_in_time_and_stop_stays_live(station: Make, visit:
     assert x_m == pytest.approx(0.1 * (300 - (now_s - time_s)), abs=0.11)
     shown_s = page.evaluate("Number(document.getElementById('plots').dataset.until)")
     assert shown_s == pytest.approx(time_s + 15, abs=1.5)
+    view = page.locator("#map").get_attribute("data-view") or ""
+    assert [float(number) for number in view.split()[:2]] == [x_m, y_m], "it follows the past"
     # Map, slider and plot say the same moment, wherever the slider was before.
     moment = plot_says_the_moment_of_the_slider(page)
     page.locator("#past-at").fill("-60")

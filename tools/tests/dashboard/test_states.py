@@ -69,6 +69,24 @@ def test_driving_alone_is_no_alarm(states_of: Callable[[list[Frame]], list[Any]]
     assert [title for level, title, *_ in found if level in ("bad", "weak")] == []
 
 
+def test_a_driven_robot_that_stands_is_not_said_to_move(
+    states_of: Callable[[list[Frame]], list[Any]],
+) -> None:
+    driving = merged(CALM, {"facts": {"armed": True, "driving": True}})
+    stands, moves = states_of([driving, merged(driving, MOVES)])
+    assert stands[0][1:3] == ["DRIVING", "Letting go stops the robot. The robot stands."]
+    assert moves[0][1:3] == ["DRIVING", "Letting go stops the robot."]
+
+
+def test_who_drives_is_in_the_banner_by_name(
+    states_of: Callable[[list[Frame]], list[Any]],
+) -> None:
+    other = merged(CALM, {"mine": False, "driver_name": "phone", "facts": {"armed": True}})
+    armed, driving = states_of([other, merged(merged(other, MOVES), {"facts": {"driving": True}})])
+    assert armed[0][2] == "The robot accepts speeds from “phone”."
+    assert driving[0][2] == "By “phone”."
+
+
 def test_a_robot_that_brakes_is_not_moved_by_somebody(
     states_of: Callable[[list[Frame]], list[Any]],
 ) -> None:
@@ -175,6 +193,20 @@ def test_an_unconfirmed_stop_ends_when_the_robot_stands(station: Make, visit: Vi
     until(lambda: here.sim.state.wheel_linear_m_s > 0.5)
     expect(page.locator("#banner-title")).to_have_text("OVERRIDE")
     expect(page.locator("#banner-more")).not_to_contain_text("STOP NOT CONFIRMED")
+
+
+def test_the_next_alarm_can_be_read_on_a_small_phone(station: Make, visit: Visit) -> None:
+    here = station(enable_drive=False, battery_percent=3.0)
+    page = visit(here.url, viewport={"width": 320, "height": 568})
+    ready(page)
+    here.sim.set("localization_flags", 82)
+    here.sim.set("pad_a", True)
+    here.sim.set("front_bumper", True)
+    names = page.locator("#banner-more li")
+    expect(names).to_have_text(["OVERRIDE", "BATTERY CRITICAL", "POSE WRONG"])
+    first, _, last = names.all()
+    assert first.evaluate("(node) => node.scrollWidth - node.clientWidth") <= 0
+    expect(last).to_be_in_viewport(ratio=1)
 
 
 def test_the_strip_shows_who_drives_what_whatever_is_wrong(station: Make, visit: Visit) -> None:

@@ -219,6 +219,28 @@ def test_a_picture_that_is_old_says_so_and_a_dead_camera_takes_no_room(
     expect(caption).to_have_text("front")
 
 
+@pytest.mark.parametrize("size", [(320, 568), (667, 375)])
+def test_nothing_covers_the_age_of_a_picture(
+    size: tuple[int, int], camera: str, station: Make, visit: Visit
+) -> None:
+    here = station(cameras=[Camera("front", camera)])
+    page = visit(
+        here.url, viewport={"width": size[0], "height": size[1]}, has_touch=True, is_mobile=True
+    )
+    expect(page.locator("figure[data-state=live]")).to_be_visible()
+    RUNS.clear()
+    caption = page.locator("figcaption")
+    expect(caption).to_contain_text("no new picture for")
+    assert caption.evaluate(
+        """(node) => {
+            const { left, right, top } = node.getBoundingClientRect();
+            return [left + 3, (left + right) / 2, right - 3]
+                .every((x) => document.elementFromPoint(x, top + 8) === node);
+        }"""
+    )
+    RUNS.set()
+
+
 # ---- several robots ----
 
 
@@ -226,6 +248,11 @@ def test_a_picture_that_is_old_says_so_and_a_dead_camera_takes_no_room(
 def test_the_chosen_robot_is_driven_and_stop_stops_all(station: Make, visit: Visit) -> None:
     here = station(robots=("RED", "BLUE"))
     red, blue = visit(here.url), visit(f"{here.url}#BLUE")
+    for page, colour in ((red, "red"), (blue, "blue")):
+        expect(page.locator("body")).to_have_attribute("data-robot", colour)
+    button = red.locator("#fleet button", has_text="BLUE")
+    button.hover()  # which changes the colour of its other sides
+    expect(button).to_have_css("border-left-color", "rgb(0, 104, 168)")
     arm(blue)
     expect(blue.locator("#address")).to_have_text(here.sims[1].address)
     red.bring_to_front()

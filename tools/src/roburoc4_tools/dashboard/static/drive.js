@@ -222,7 +222,7 @@ export class Drive {
     if (!this.mine) return frame.driver === null ? "One page at a time can drive: take control, then arm." : frame.asker === this.page ? `Page “${frame.driver_name}” was asked. You get control when it agrees, or when it is gone.` : `“${frame.driver_name}” has control${this.relieves ? " and drives nothing." : ". STOP works from every page."}`;
     if (frame.going) return "Any key, any deflection, or leaving this page ends the drive.";
     if (armed && frame.must_let_go) return "Armed: let go of everything once, then drive.";
-    if (armed && this.inputs.unrepeated) return "Ready: the key stopped repeating, so it counts as released. Press it again. If the system does not repeat keys, drive with the game pad or the stick.";
+    if (armed && this.inputs.unrepeated) return "Ready: the key stopped repeating, so it counts as released. Press it again, or drive with the game pad or the stick.";
     if (armed) return `Ready: ${this.inputs.hint()}. Letting go stops.`;
     if (frame.facts.blocked) return `Not ready to arm: ${frame.facts.blocked}.`;
     return frame.facts.charger ? "The charger is plugged in: switch charger and platform off and unplug it, then arm." : "Is the way clear, an emergency stop in hand? Then arm.";

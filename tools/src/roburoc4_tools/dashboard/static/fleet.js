@@ -3,10 +3,15 @@
 import { by, figure, make, mark, put, show } from "./text.js";
 
 const INKS = ["violet", "green", "sky", "text"];
+const NAMES = ["red", "blue", "violet", "green"];
+const named = ({ name }) => NAMES.find((ink) => ink === name.toLowerCase());
 const stateOf = ({ state, alarm, armed, battery }) => (state !== "ready" ? "lost" : alarm ? "alarm" : armed ? "armed" : figure(battery ?? null, 0, "%"));
 
-/** The name of a robot's colour. */
-export const inkOf = (robots, name) => INKS[robots.findIndex((robot) => robot.name === name) % INKS.length];
+/** The name of a robot's colour: its own where it is called so, else one that no other is called. */
+export function inkOf(robots, name) {
+  const free = INKS.filter((ink) => !robots.some((robot) => named(robot) === ink));
+  return named({ name }) ?? free[robots.filter((robot) => !named(robot)).findIndex((robot) => robot.name === name) % free.length];
+}
 
 export class Fleet {
   constructor(choose) {

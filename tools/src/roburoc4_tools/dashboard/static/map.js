@@ -170,14 +170,14 @@ export class RobotMap {
     this.about = about;
     this.top = Math.max(44, this.tools.offsetHeight + 18);
     const pose = frame.pose;
-    if (pose && pose.x_m !== null && pose.y_m !== null && pose.theta_rad !== null) {
-      if (frame.state === "ready") this.keep(this.path, pose, frame.time_s);
-      if (this.follow) this.centre = { x: pose.x_m, y: pose.y_m };
-    }
-    if (frame.sim) this.keep(this.truth, frame.sim.pose, frame.time_s);
-    this.paint();
+    const known = pose && pose.x_m !== null && pose.y_m !== null && pose.theta_rad !== null;
+    if (known && frame.state === "ready") this.keep(this.path, pose, frame.time_s);
     // The pose of what the map shows.
     const then = this.past === null ? pose : this.poseThen();
+    const followed = this.past !== null && then ? then : known && pose;
+    if (this.follow && followed) this.centre = { x: followed.x_m, y: followed.y_m };
+    if (frame.sim) this.keep(this.truth, frame.sim.pose, frame.time_s);
+    this.paint();
     put(by("pose"), then ? `x ${figure(then.x_m, 2, "m")}   y ${figure(then.y_m, 2, "m")}   θ ${figure((then.theta_rad * 180) / Math.PI, 0, "°")}` : this.past === null ? "pose not reported" : "pose not known");
     put(by("map-legend"), legend(frame));
   }

@@ -34,8 +34,8 @@ const STATES = [
   ["weak", "BATTERY LOW", (s) => s.facts.battery_low && !critical(s), () => "The battery is below the robot’s minimum.", () => "bring the robot to its charger; charger and platform off before plugging it in"],
   ["weak", "LINK WEAK", (s) => s.link.level === "weak", (s) => end(s.link.say), (s) => s.link.attempt],
   ["weak", "LET GO", (s) => s.mine && s.facts.armed && s.why && s.must_let_go, (s) => `${end(s.why)} ${motion(s)}`, () => "let go of everything, then drive"],
-  ["go", "DRIVING", ({ facts }) => facts.armed && facts.driving, (s) => (s.going ? `By itself: ${trip(s, s.going, s.going_m_s)}.` : s.mine ? "Letting go stops the robot." : "By another page.")],
-  ["armed", "ARMED", ({ facts }) => facts.armed, (s) => (s.mine ? end(s.why) || "Letting go stops the robot." : "The robot accepts speeds from another page.")],
+  ["go", "DRIVING", ({ facts }) => facts.armed && facts.driving, (s) => (s.going ? `By itself: ${trip(s, s.going, s.going_m_s)}.` : `${s.mine ? "Letting go stops the robot." : `By “${s.driver_name}”.`}${s.facts.at_rest ? " The robot stands." : ""}`)],
+  ["armed", "ARMED", ({ facts }) => facts.armed, (s) => (s.mine ? end(s.why) || "Letting go stops the robot." : `The robot accepts speeds from “${s.driver_name}”.`)],
   ["weak", "MOVING", ({ facts }) => facts.at_rest === false && !facts.armed && !facts.overridden && !facts.other_commander && !facts.stop_unconfirmed, (s) => `${brakes(s) ? "Its target is zero: it brakes, or something pushes it." : "Nothing is commanded from here."} ${motion(s)}`, (s) => (brakes(s) ? "wait until it stands" : "look who moves it; keep away from it")],
   ["calm", "DISARMED", () => true, (s) => (s.recorded ? RECORDED : end(s.mine ? s.facts.blocked || s.why : "") || (s.offered ? "The robot accepts no speed from here." : "This page only watches."))],
 ];

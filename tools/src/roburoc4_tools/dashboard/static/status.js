@@ -12,7 +12,8 @@ const lossText = (share) => figure(share === null ? null : share * 100, 1, "%");
 export function showLink(frame) {
   const { level, say, attempt, services, silence_ms, round_trip_ms, loss } = frame.link;
   mark(by("quality"), "level", level);
-  put(by("quality-say"), LINKS[frame.state] ?? `Link ${level}`);
+  const silent = frame.state === "lost" ? ` ${silence_ms < 100000 ? figure(silence_ms / 1000, 0, "s") : figure(silence_ms / 60000, 0, "min")}` : "";
+  put(by("quality-say"), (LINKS[frame.state] ?? `Link ${level}`) + silent);
   put(by("link-say"), say);
   put(by("quality-figures"), frame.state === "ready" ? figure(round_trip_ms, 0, "ms") : "");
   put(by("link-try"), attempt ? `Try: ${attempt}.` : "");
