@@ -49,7 +49,7 @@ DEEDS: tuple[tuple[str, float, tuple[str, ...]], ...] = (
     ("Press the green button", 4.0, ("motor on",)),
     ("brakes selector to Released", 5.0, ("brakes released",)),
     ("Turn it to Automatic", 3.0, ("brakes automatic",)),
-    ("Let it go. Once more", 1.5, ("pad a up", "pad release")),
+    ("Let it go. Get ready", 1.5, ("pad a up", "pad release")),
     ("Plug the network cable in", 8.0, ("plug up",)),
     ("Hold [A] again", 2.0, ("pad a down",)),
     ("Press the right trigger", 2.0, ("pad rt -0.6",)),

@@ -29,6 +29,7 @@ from roburoc4_tools.cli.keyboard import Key
 from roburoc4_tools.cli.signals import Signalled
 from roburoc4_tools.first_contact import answers, bundle
 from roburoc4_tools.first_contact.contact import STEPS, Contact
+from roburoc4_tools.first_contact.response import Response, fit, simulate
 from roburoc4_tools.first_contact.session import ReleasedError, Session, number
 from roburoc4_tools.first_contact.terminal import TerminalWorld
 
@@ -370,7 +371,7 @@ class FirstContact(unittest.TestCase):
             with tempfile.TemporaryDirectory() as folder:
                 bundle.write(third, Path(folder), "contact.3.pcapng", {})
                 page = (Path(folder) / "contact.html").read_text(encoding="utf-8")
-            assert re.search(f"<td>{name}</td>(?:(?!</tr>).)*<td>{proof}</td></tr>", page)
+            assert re.search(f"<td>{name}</td>(?:(?!</tr>).)*>{proof}</td></tr>", page)
 
     def test_each_answer_has_its_unit_and_says_what_it_is(self) -> None:
         modules = Path(bundle.__file__).parent.glob("*.py")
@@ -473,7 +474,7 @@ class FirstContact(unittest.TestCase):
             with self.subTest(service=service):
                 contact = self.contact(DRIVEN, **{f"queue_{service}_ms": 4000})
                 for step in contact.steps():
-                    if step.name == "lengths":
+                    if step.name == "inputs":
                         break
                 assert int(contact.session.known["refused_inserts"]) & mask == 0
                 assert abs(contact.session.known[f"queue_{service}_ms"] - 4000) < 60
@@ -499,20 +500,103 @@ class FirstContact(unittest.TestCase):
                 longest_s = int(promised[1]) if promised else 5.5
                 assert end_s - begin_s <= longest_s + 0.1, (text, end_s - begin_s)
 
-    def test_a_switch_off_has_a_reason_and_a_count(self) -> None:
-        contact = self.contact(DRIVEN, delete_refused=1)
-        world = contact.session.world
+    def test_a_switch_off_has_a_reason_and_a_count_and_few_are_needed(self) -> None:
+        for most, counts in ((448, ["1 of about 5", "2 of about 5", "3 of about 4"]), (2, None)):
+            contact = self.contact(DRIVEN, delete_refused=1, max_subscriptions=most)
+            world = contact.session.world
+            for step in contact.steps():
+                if step.name == "sticks":
+                    break
+            said = [text for *_when, text in world.said if "Switch the robot off" in text]
+            assert len(said) == (7 if counts is None else 3)
+            whys = ("The robot ends no subscription", "Those before may fill the robot's list")
+            assert all(text.startswith(whys) for text in said)
+            if counts:
+                assert [text[text.index("(") + 1 : -2] for text in said] == counts
+        assert contact.session.known["max_subscriptions"] == 2
+
+    def test_how_many_fit_in_is_not_known_where_each_service_has_one_place(self) -> None:
+        contact = self.contact(DRIVEN, subscription_lists=2, max_subscriptions=10)
         for step in contact.steps():
-            if step.name == "sticks":
+            if step.name == "inputs":
                 break
-        said = [text for *_when, text in world.said if "Switch the robot off" in text]
-        counts = [re.search(r"\((\d) of at most (\d)\)", text) for text in said]
-        assert len(said) > 10
-        assert all(text.startswith("The robot ends no subscription") for text in said)
-        found = [(int(each[1]), int(each[2])) for each in counts if each]
-        assert [k for k, _most in found] == [*range(1, 9), *range(1, 6)]
-        assert {most for k, most in found[:8]} == {8}
-        assert {most for k, most in found[8:]} == {5}
+        assert contact.session.known["subscription_lists"] == 2
+        assert "max_subscriptions" not in contact.session.known
+
+    def test_what_was_done_in_a_step_before_the_key_was_let_go_is_not_repeated(self) -> None:
+        for name, key in (("stops", "lift"), ("motors", "estop_press"), ("power on", "restart")):
+            with self.subTest(step=name):
+                contact = self.contact(DRIVEN)
+                world = contact.session.world
+                for step in contact.steps():
+                    if name in contact.done:
+                        break
+                    if step.name == name:
+                        self.let_go_once(world)
+                        begun = len(world.asked)
+                assert world.asked[begun:].count("again") == 1
+                assert world.asked[begun:].count(key) == 1
+
+    @staticmethod
+    def let_go_once(world: VirtualWorld) -> None:
+        """Let the key go soon after it is held next."""
+        hold = world.hold
+
+        def hold_shortly(text: str) -> None:
+            world.hold = hold
+            hold(text)
+            world.let_go_at_s = world.now_s + 0.3
+
+        world.hold = hold_shortly
+
+    def test_a_wrong_no_is_asked_once_more(self) -> None:
+        contact = self.contact(DRIVEN)
+        world, ask, noes = contact.session.world, contact.session.world.ask, ["no"]
+        world.ask = lambda key, text: noes.pop() if noes and key == "backward" else ask(key, text)
+        for step in contact.steps():
+            if step.name == "responses":
+                break
+        assert contact.refused is None
+        assert world.asked.count("backward") == 1
+        assert noes == []
+
+    def test_a_response_that_is_over_within_a_cycle_is_immediate(self) -> None:
+        noise = random.Random(5)
+        for omega, noise_m_s, found in ((1000, 0.0, 1000), (700, 0.0, 1000), (1000, 0.02, 1000)):
+            speeds = simulate(Response(omega, 1.0, 1.0, 2, 0.0), [0.36] * 200, (-9e3, 9e3))
+            heard = [v + noise.uniform(-noise_m_s, noise_m_s) for v in [0.0] * 3 + speeds]
+            heard[:3] = [0.0] * 3
+            response = fit(0.36, heard, (-9e3, 9e3))
+            assert response is not None
+            assert response.omega_rad_s == found, (omega, noise_m_s, response)
+        speeds = simulate(Response(250, 1.0, 1.0, 2, 0.0), [0.36] * 200, (-9e3, 9e3))
+        response = fit(0.36, [0.0] * 3 + speeds, (-9e3, 9e3))
+        assert response is not None
+        assert abs(response.omega_rad_s - 250) < 25
+
+    def test_the_page_says_why_it_ended_in_words(self) -> None:
+        contact = self.contact(DRIVEN, odometry_mirrored=1)
+        for _step in contact.steps():
+            pass
+        page = bundle.page(contact, {})
+        assert ">Ended: The pose goes the other way than the wheels do" in page
+
+    def test_people_are_told_what_to_do_in_whole_sentences(self) -> None:
+        config, drawn = self.library.member(DRIVEN, delete_refused=1, telemeter_turn_rad=-0.001)
+        contact = Contact(VirtualWorld(self.library, config, bool(drawn["other_status_port"])))
+        for _step in contact.steps():
+            pass
+        said = [text for *_when, text in contact.session.world.said]
+        said += [step.moves for step in STEPS]
+        assert any("main switch" in text for text in said)
+        assert any(
+            "limit of the speed backward" in text or "limit of speed" in text for text in said
+        )
+        for words in ("(E)", "Once more?", "-0 degrees", "least speed"):
+            assert not any(words in text for text in said), words
+        pull = next(k for k, text in enumerate(said) if text.startswith("Pull the network cable"))
+        assert "plug it in" in said[pull + 1]
+        assert all("rad/s" in step.moves for step in STEPS if step.name == "responses")
 
     def test_what_is_missing_is_said_at_once_and_what_that_means(self) -> None:
         for step, changes, text in (
@@ -520,7 +604,7 @@ class FirstContact(unittest.TestCase):
             ("network", {"digital_inputs": 0}, "The iocard has no digital inputs: nobody"),
             ("network", {"hidden_services": 8}, "The robot has no telemeter: the step telem"),
             ("network", {"hidden_services": 32}, "The robot has no localization: no pose"),
-            ("lengths", {"refused_inserts": 32}, "The robot does not report its localization"),
+            ("inputs", {"refused_inserts": 32}, "The robot does not report its localization"),
         ):
             with self.subTest(text=text):
                 contact = self.contact(DRIVEN, **changes)

@@ -14,7 +14,10 @@ class Meaning(NamedTuple):
 
 
 _AXES = {"linear": ("driving straight", "m/s"), "angular": ("turning", "rad/s")}
-_ENDS = {"max": "most", "min": "least"}
+_ENDS = {
+    "linear": {"max": "forward", "min": "backward"},
+    "angular": {"max": "to the left", "min": "to the right"},
+}
 
 MEANINGS = {
     **{f"{name}_id": Meaning(f"id of the service {name}") for name in SERVICES},
@@ -76,10 +79,10 @@ MEANINGS = {
     "start_safe": Meaning("after power on the motors have power 0: at once, 1: by the button"),
     **{
         f"{end}_{axis}_{unit.replace('/', '_')}{power}": Meaning(
-            f"{which} {what} when {doing}, by its properties", unit + power.replace("2", "²")
+            f"limit of {what} {way}, by its properties", unit + power.replace("2", "²")
         )
-        for axis, (doing, unit) in _AXES.items()
-        for end, which in _ENDS.items()
+        for axis, (_doing, unit) in _AXES.items()
+        for end, way in _ENDS[axis].items()
         for power, what in (("", "speed"), ("2", "acceleration"))
     },
     "width_m": Meaning("distance of the wheels, by its properties", "m"),
@@ -87,7 +90,11 @@ MEANINGS = {
         f"{axis}_{name}": Meaning(f"{what} when {doing}", unit)
         for axis, (doing, _unit) in _AXES.items()
         for name, what, unit in (
-            ("omega_rad_s", "natural frequency: how fast the speed follows", "rad/s"),
+            (
+                "omega_rad_s",
+                "natural frequency: how fast speeds follow; 1000: at once",
+                "rad/s",
+            ),
             ("damping", "damping: below 1 the speed overshoots", ""),
             ("gain", "final speed as a share of the target", ""),
         )

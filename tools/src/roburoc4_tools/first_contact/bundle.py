@@ -79,7 +79,8 @@ USUAL: dict[str, float] = {
 """The manual's answers, where it has any."""
 
 _STYLE = (
-    STYLE + "td.text{white-space:normal;width:45%}pre{white-space:pre-wrap}.other{font-weight:600}"
+    STYLE + "td.text{white-space:normal;width:45%}td.proof{white-space:normal}"
+    "pre{white-space:pre-wrap}.other{font-weight:600}"
     ".refused{border-left:4px solid var(--bad);padding:8px 12px;color:var(--ink)}"
 )
 _PLOTS = {
@@ -152,7 +153,8 @@ def _answers(s: Session) -> str:
             f'<tr class="{"other" if differs else ""}"><td>{escape(name)}</td>'
             f'<td class="text">{escape(meaning(name).phrase)}</td>'
             f"<td>{escape(shown(name, value))}</td>"
-            f"<td>{escape(shown(name, USUAL[name])) if differs else ''}</td><td>{proof}</td></tr>"
+            f"<td>{escape(shown(name, USUAL[name])) if differs else ''}</td>"
+            f'<td class="proof">{proof}</td></tr>'
         )
     return (
         "<p>Answers in bold differ from those that the manual suggests. The last column counts "
@@ -190,9 +192,7 @@ def page(contact: Contact, robots: Robots) -> str:
             "content=\"default-src 'none'; style-src 'unsafe-inline'\">",
             f"<title>First contact</title><style>{_STYLE}</style></head><body>",
             "<h1>First contact</h1>",
-            f'<p class="refused">Ended by: {escape(refused.reason)}. {escape(str(refused))}</p>'
-            if refused
-            else "",
+            f'<p class="refused">Ended: {escape(str(refused))}</p>' if refused else "",
             _answers(s),
             *(_picture(name, s.traces[name]) for name in _PLOTS if name in s.traces),
             "<h2>What was done, and what the robot reported</h2><table>" + watched + "</table>"

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from . import identify, network, watch, wheels
 from .answers import sentence
 from .response import Response
-from .session import MissedError, ReleasedError, Session, SilentError, UnsafeError
+from .session import LET_GO, MissedError, ReleasedError, Session, SilentError, UnsafeError
 from .world import World
 
 
@@ -28,7 +28,6 @@ STEPS = (
     Step("errors", "", identify.errors),
     Step("texts", "", identify.texts),
     Step("subscriptions", "", identify.subscriptions),
-    Step("lengths", "", identify.lengths),
     Step("inputs", "", watch.inputs),
     Step("sticks", "", watch.sticks),
     Step("telemeters", "", watch.telemeters),
@@ -38,7 +37,11 @@ STEPS = (
         _WHEELS.format("forward, backward, to the left and to the right, at up to 0.1 m/s"),
         wheels.stops,
     ),
-    Step("responses", _WHEELS.format("forward, then in place, at up to 0.4 m/s"), wheels.responses),
+    Step(
+        "responses",
+        _WHEELS.format("forward at up to 0.4 m/s, then in place at up to 0.8 rad/s"),
+        wheels.responses,
+    ),
     Step("reports", _WHEELS.format("with changing speeds for 40 s"), wheels.reports),
     Step("watchdog", _WHEELS.format("until the robot stops them by itself"), wheels.watchdog),
     Step("outage", _WHEELS.format("forward, at 0.1 m/s, until the cable is out"), network.outage),
@@ -73,6 +76,7 @@ class Contact:
             "known": s.known,
             "proofs": s.earlier | proofs,
             "ids": s.ids,
+            "restarts": s.restarts,
             "fixed": s.fixed,
             "usable": s.usable,
             "notes": s.notes,
@@ -89,13 +93,15 @@ class Contact:
         s.usable, s.notes = list(state["usable"]), dict(state["notes"])
         s.watched, s.traces = list(state["watched"]), dict(state["traces"])
         s.earlier = dict(state.get("proofs", {}))
+        s.restarts = state.get("restarts", 0)
         s.responses = {int(axis): Response(*found) for axis, found in state["responses"].items()}
 
     def rejoin(self) -> None:
         """Bring the robot to where the next step may begin, whoever had it meanwhile."""
         s = self.session
-        identify.restart(s, "The robot may still report to the interrupted session.")
-        if len(self.done) == len(STEPS):
+        restarts_left = int(wheels.RESTARTED_BY not in self.done)
+        identify.restart(s, "The robot may still report to the interrupted session.", restarts_left)
+        if all(step.name in self.done for step in STEPS):
             s.please("motors_on", "Press the green button: after a restart the motors may need it.")
         elif wheels.LIFTED_BY in self.done:
             wheels.lift(s)
@@ -120,17 +126,14 @@ class Contact:
     def _run(self, step: Step) -> bool:
         s = self.session
         while True:
-            s.restarts, s.most_restarts = 0, 1
             try:
                 step.run(s)
             except ReleasedError:
-                s.world.please("again", "The key was let go, and zeros were sent. Once more?")
+                s.world.please("again", LET_GO)
             except MissedError as missed:
-                s.please("missed", f"{missed} Once more?")
+                s.please("missed", f"{missed} Get ready to repeat that.")
             except SilentError:
-                s.please(
-                    "silent", "The robot was not heard: check its power and the cable. Once more?"
-                )
+                s.please("silent", "The robot was not heard: check its power and the cable.")
             except UnsafeError as refused:
                 self.refused = refused
                 return False

@@ -19,7 +19,7 @@ _NO_ACTION = 0x7E
 _SILENT_IN_A_ROW = 4
 _LONGEST_QUEUE_MS = 5000
 _CLEANED = 3
-"""How often subscriptions of all services are ended, beside each service's own."""
+"""How often all subscriptions are ended after one another's."""
 NOT_ENDED = "The robot ends no subscription when asked to; only a restart does."
 _MEANS = {
     "iocard": "nobody would see that [A] is held, so it ends before the wheels turn",
@@ -189,23 +189,28 @@ def _manner(answered: dict[tuple[int, bytes], wire.Answer]) -> int:
 # ---- subscriptions
 
 
-def _clean(s: Session, ports: int = 1) -> None:
+def _clean(s: Session, ports: int, restarts_left: int) -> None:
     """End all subscriptions, by a restart if the robot does not let us."""
     if s.known.get("delete_refused"):
-        restart(s, NOT_ENDED)
+        restart(s, NOT_ENDED, restarts_left)
         return
     for port in range(ports):
         for service in s.ids:
             s.unsubscribe(service, port)
 
 
-def restart(s: Session, why: str) -> None:
-    """Switch the robot off and on, without its motors, and wait until it answers."""
+def restart(s: Session, why: str, left: int) -> None:
+    """Switch the robot off and on, without its motors, and wait until it answers.
+
+    So many more are still to come, as far as is known.
+    """
     s.restarts += 1
-    count = f" ({s.restarts} of at most {s.most_restarts})" if s.most_restarts > 1 else ""
+    most = s.restarts + left
+    count = f" ({s.restarts} of about {most})" if most > 1 else ""
     s.please(
         "restart",
-        f"{why} Switch the robot off (E), wait 5 s, switch it on. No green button{count}.",
+        f"{why} Switch the robot off by its main switch, wait 5 s, switch it on. No green "
+        f"button{count}.",
     )
     s.lasts("Waiting until the robot answers", _START_S)
     while not _answers_within(s, _START_S):
@@ -231,20 +236,23 @@ def subscriptions(s: Session) -> None:
     refused = 0
     accepted: list[str] = []
     silent: list[str] = []
-    s.most_restarts = len(s.ids) + _CLEANED
+    lengths: dict[str, int] = {}
+    kept = False
     for number, service in enumerate(sorted(s.ids, key=lambda name: name != "differential"), 1):
         s.lasts(
             f"Subscribing to {service}, and ending that, {number} of {len(s.ids)}",
             2 * (_HEARD_S + _LONGEST_QUEUE_MS / 1000),
         )
-        s.statuses.clear()
-        asked_s = s.world.now_s
-        answer = s.subscribe(service, 1)
-        s.pump(_HEARD_S)
-        if answer is None or answer.error:
+        is_refused, asked_s, first_s = _subscribed(s, service)
+        if first_s is None and kept:
+            restart(s, "Those before may fill the robot's list, and cannot be ended.", _CLEANED + 2)
+            kept = False
+            is_refused, asked_s, first_s = _subscribed(s, service)
+        if is_refused:
             refused |= 4 << wire.SERVICES.index(service)
-        elif first_s := _first_arrival(s, service):
+        elif first_s is not None:
             accepted.append(service)
+            lengths[service] = len(s.heard_of(service)[-1].payload)
             if len(accepted) == 1:
                 s.lasts(
                     "How often its statuses come, and whether they end",
@@ -255,14 +263,13 @@ def subscriptions(s: Session) -> None:
             answer = s.unsubscribe(service)
             if len(accepted) == 1:
                 s.learn("delete_refused", int(answer is None or bool(answer.error)))
-            if not s.known["delete_refused"]:
+            kept = bool(s.known["delete_refused"])
+            if not kept:
                 s.pump(_HEARD_S + first_s - asked_s)
             _keep_queue(s, service, first_s - asked_s, asked_to_end_s)
         else:
             silent.append(service)
             s.unsubscribe(service)
-        if s.known.get("delete_refused"):
-            restart(s, NOT_ENDED)
     if silent and not accepted:
         raise UnsafeError(
             "no_statuses",
@@ -274,11 +281,24 @@ def subscriptions(s: Session) -> None:
     for service in silent:
         s.watched.append([f"Subscribed to {service}.", "Accepted, but no status arrived."])
     s.usable = accepted
+    _keep_lengths(s, lengths)
     if accepted:
+        if kept:
+            restart(s, NOT_ENDED, _CLEANED + 1)
         _lists(s, accepted)
         _size(s, accepted)
         _closed_port(s, accepted[0])
-        _clean(s, 2)
+        _clean(s, 2, 1)
+
+
+def _subscribed(s: Session, service: str) -> tuple[bool, float, float | None]:
+    """Subscribe; return whether that was refused, when it was asked, and the first arrival."""
+    s.statuses.clear()
+    asked_s = s.world.now_s
+    answer = s.subscribe(service, 1)
+    s.pump(_HEARD_S)
+    is_refused = answer is None or bool(answer.error)
+    return is_refused, asked_s, None if is_refused else _first_arrival(s, service)
 
 
 def _first_arrival(s: Session, service: str) -> float | None:
@@ -339,7 +359,7 @@ def _lists(s: Session, accepted: list[str]) -> None:
         s.pump(_HEARD_S + s.lag_s(service))
         if _is_heard(s, service, 1):
             s.learn("subscription_lists", 2)
-    _clean(s, 2)
+    _clean(s, 2, _CLEANED)
 
 
 def _size(s: Session, accepted: list[str]) -> None:
@@ -369,8 +389,11 @@ def _size(s: Session, accepted: list[str]) -> None:
             s.learn("full_list", 2)
             break
     else:
-        s.learn("max_subscriptions", 448)
-    _clean(s, most // len(accepted) + 1)
+        if not last:  # such a list has one place for each service, and its end is not seen
+            s.learn("max_subscriptions", 448)
+        if s.known.get("delete_refused") and s.known.get("subscription_lists") == 0:
+            return  # there is room for what follows
+    _clean(s, most // len(accepted) + 1, 2)
 
 
 def _closed_port(s: Session, service: str) -> None:
@@ -391,27 +414,16 @@ def _closed_port(s: Session, service: str) -> None:
     s.unsubscribe(service, port)
 
 
-def lengths(s: Session) -> None:
+def _keep_lengths(s: Session, lengths: dict[str, int]) -> None:
     """Compare the length of statuses with the manual's."""
-    s.begin()
     plain = {"battery": 2, "localization": 28, "differential": 16}
     if "analog_inputs" in s.known:
         blocks = (int(s.known["digital_inputs"]) + 7) // 8
         plain["iocard"] = 4 * int(s.known["analog_inputs"]) + blocks
-    s.most_restarts = len(s.usable)
-    for number, service in enumerate(s.usable, 1):
-        s.progress("Length of statuses, services", number, len(s.usable))
-        s.subscribe(service, 20)
-        heard = s.hear(service, _HEARD_S)
-        s.unsubscribe(service)
-        if not heard:
-            raise SilentError
-        if service in plain:
-            s.learn("surplus_bytes", min(max(len(heard[-1].payload) - plain[service], 0), 8))
-            plain = {}
-        if service == "telemeter":
-            distances = len(heard[-1].payload)
-        if s.known.get("delete_refused"):
-            restart(s, NOT_ENDED)
-    if "telemeter" in s.usable and "surplus_bytes" in s.known:
-        s.learn("reported_distances", max(0, (distances - int(s.known["surplus_bytes"])) // 4))
+    surplus = next((n - plain[service] for service, n in lengths.items() if service in plain), None)
+    if surplus is None:
+        return
+    s.learn("surplus_bytes", min(max(surplus, 0), 8))
+    if "telemeter" in lengths:
+        distances = lengths["telemeter"] - int(s.known["surplus_bytes"])
+        s.learn("reported_distances", max(0, distances // 4))

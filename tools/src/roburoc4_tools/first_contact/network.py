@@ -146,8 +146,8 @@ def _pulled(s: Session) -> bool:
     s.hold()
     s.stop()
     longest_s = s.known["robot_watchdog_ms"] / 1000 + _OUTAGE_S
-    s.lasts("The cable stays out until the next line", _PULLED_S + longest_s)
-    s.world.countdown("cable_out", "Pull the network cable at 0.", 1.5)
+    s.world.countdown("cable_out", "Pull the network cable at 0, and leave it out.", 1.5)
+    s.lasts("It stays out until you are asked to plug it in", _PULLED_S + longest_s)
     s.run(
         _PULLED_S + longest_s,
         (0.1, 0.0),

@@ -8,6 +8,8 @@ from typing import NamedTuple
 from .session import CYCLE_S
 
 IMMEDIATE_RAD_S = 1000.0
+_FAST_RAD_S, _ALIKE = 60.0, 0.01
+"""From this frequency on, a response is immediate if that is as good within 1 % of the step."""
 
 
 class Response(NamedTuple):
@@ -115,8 +117,20 @@ def fit(target: float, speeds: Sequence[float], slopes: tuple[float, float]) -> 
         candidates = [(IMMEDIATE_RAD_S, 1.0), *(_least(cost, begin) for begin in begins)]
         omega, damping = min(candidates, key=lambda s: cost(*s))
         model = Response(omega, damping, gain, dead, 0.0)
-        simulated = simulate(model, targets, slopes)
-        misfit = max(abs(a - b) for a, b in zip(simulated, heard, strict=True)) / abs(final)
-        if best is None or misfit < best.misfit:
-            best = model._replace(misfit=misfit)
-    return best
+        found = _judged(model, targets, heard, slopes)
+        if best is None or found.misfit < best.misfit:
+            best = found
+            at_once = model._replace(omega_rad_s=IMMEDIATE_RAD_S, damping=1.0)
+            immediate = _judged(at_once, targets, heard, slopes)
+    if best is None or best.omega_rad_s < _FAST_RAD_S:
+        return best
+    return immediate if immediate.misfit < best.misfit + _ALIKE else best
+
+
+def _judged(
+    model: Response, targets: list[float], heard: list[float], slopes: tuple[float, float]
+) -> Response:
+    """Return this response with its misfit."""
+    simulated = simulate(model, targets, slopes)
+    furthest = max(abs(a - b) for a, b in zip(simulated, heard, strict=True))
+    return model._replace(misfit=furthest / abs(model.gain * targets[0]))

@@ -5,7 +5,7 @@ import math
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from . import wire
 from .world import World
@@ -19,6 +19,8 @@ MAX_M_S, MAX_RAD_S = 0.6, 1.2
 """No command of these steps is faster, but for one that is sent while there is no motor power."""
 ANSWER_S = 1.5
 STOP_S = 8.0
+LET_GO = "The key was let go, and zeros were sent. Get ready to repeat that."
+Held = TypeVar("Held")
 _PORT = 0
 _PROGRESS_S = 3.0
 
@@ -80,8 +82,8 @@ class Session:
         self._driving = False
         """Whether the last command was a speed: then the key is held without commands, too."""
         self.usable: list[str] = []
-        self.restarts, self.most_restarts = 0, 1
-        """How often this step had the robot switched off, and how often it does so at most."""
+        self.restarts = 0
+        """How often people switched the robot off and on."""
         self._progress_s = -math.inf
         self.responses: dict[int, Response] = {}
         self.notes: dict[str, float] = {}
@@ -121,6 +123,15 @@ class Session:
         answer = self.world.ask(key, text)
         self.pump(0.0)
         return answer
+
+    def until_held(self, deed: Callable[[], Held]) -> Held:
+        """Do this, once more for each time that the key was let go meanwhile."""
+        while True:
+            try:
+                return deed()
+            except ReleasedError:
+                self.please("again", LET_GO)
+                self.hold()
 
     def hold(self) -> None:
         """Before the robot moves, wait until the key is pressed for this, whoever still held it."""
@@ -222,6 +233,10 @@ class Session:
         """End them."""
         wanted = self.ids[service].to_bytes(2, "little")
         return self.request(wire.DELETE, wire.NOTIFICATION, wanted, port=port)
+
+    def most_subscriptions(self) -> float:
+        """How many the robot has room for; a great number where no end was seen."""
+        return self.known.get("max_subscriptions", math.inf)
 
     def lag_s(self, *services: str) -> float:
         """How late the statuses of these services arrive."""

@@ -117,7 +117,7 @@ class TerminalWorld(World):
 
     def ask(self, key: str, text: str) -> str:
         """Ask, and wait for a line."""
-        self.say(f"  {text}")
+        self.say(f"  {text} (Type it, then press Enter.)")
         while not (answer := self._line()):
             pass
         return answer

@@ -99,10 +99,10 @@ def inputs(s: Session) -> None:
 
 
 def _end(s: Session, service: str) -> None:
-    """End a subscription, by a restart if the robot does not let us: its list may be short."""
+    """End a subscription, by a restart if the robot does not let us and its list is short."""
     s.unsubscribe(service)
-    if s.known.get("delete_refused"):
-        restart(s, NOT_ENDED)
+    if s.known.get("delete_refused") and s.most_subscriptions() < len(s.usable):
+        restart(s, NOT_ENDED, 1)
         s.subscribe("iocard", 10)
 
 
@@ -169,7 +169,7 @@ def telemeters(s: Session) -> None:
     count = int(s.known["reported_distances"])
     for k in range(count):
         points = (
-            f", which points to {math.degrees(angles[k]):.0f} degrees" if k < len(angles) else ""
+            f", which points to {round(math.degrees(angles[k]))} degrees" if k < len(angles) else ""
         )
         before = _distances(s)
         s.please(

@@ -3,6 +3,7 @@
 
 import math
 import struct
+from functools import partial
 from itertools import pairwise
 
 from . import wire
@@ -29,7 +30,7 @@ _DRAWN_S = 5.0
 _SLOW = (0.02, 0.05, 0.1)
 _SETTLE_S, _NOISE_S, _TRAVEL_S, _WATCHDOG_S = 12.0, 12.0, 3.0, 66.0
 _CHANGES = 160
-LIFTED_BY = "stops"
+LIFTED_BY, RESTARTED_BY = "stops", "power on"
 _STEADY = 150
 """For how many cycles speeds must not change."""
 _EARLIEST_S = -0.3
@@ -53,7 +54,7 @@ def may_be_driven(s: Session) -> None:
         raise UnsafeError("no_differential", "The robot has no service that takes speeds.")
     if "differential" not in s.usable:
         raise UnsafeError("no_speeds", "The robot does not report its speeds.")
-    if s.known["max_subscriptions"] < 2:
+    if s.most_subscriptions() < 2:
         raise UnsafeError(
             "list_full", "The robot reports to one subscription at a time; driving needs two."
         )
@@ -90,19 +91,29 @@ def stops(s: Session) -> None:
     lift(s)
     _stop_or_refuse(s)
     for name, axis, sign, unit, question in _DIRECTIONS:
+        what = f"{name.capitalize()}, slowly, then stop"
         s.hold()
-        s.lasts(f"{name.capitalize()}, slowly, then stop", len(_SLOW) * 2.0 + STOP_S + ANSWER_S)
-        slowest = _slowest(s, axis, sign)
-        _stop_or_refuse(s)
+        slowest = s.until_held(partial(_slowest_and_stop, s, axis, sign, what))
         if not slowest:
             raise UnsafeError(
                 "does_not_move", "The wheels do not turn: brakes selector, motor power?"
             )
-        if s.ask(name, f"{question} yes or no").lower() not in ("yes", "y"):
+        if not (_is_yes(s, name, question) or _is_yes(s, name, f"Really not? {question}")):
             raise UnsafeError(
                 "wrong_way", "The wheels turn the wrong way: do not drive this robot."
             )
         s.notes[f"slowest speed that moved {name}, {unit}"] = slowest
+
+
+def _is_yes(s: Session, key: str, question: str) -> bool:
+    return s.ask(key, f"{question} yes or no").lower() in ("yes", "y")
+
+
+def _slowest_and_stop(s: Session, axis: int, sign: int, what: str) -> float:
+    s.lasts(what, len(_SLOW) * 2.0 + STOP_S + ANSWER_S)
+    slowest = _slowest(s, axis, sign)
+    _stop_or_refuse(s)
+    return slowest
 
 
 def _stop_or_refuse(s: Session) -> None:
@@ -165,15 +176,7 @@ def responses(s: Session) -> None:
         speed = _speed(s, axis)
         for share in (1.0, 0.25):
             command = _both(axis, share * speed)
-            s.lasts(
-                f"A step to {share * speed:g} {('m/s', 'rad/s')[axis]}, and the stop",
-                3 * STOP_S + _SETTLE_S + ANSWER_S,
-            )
-            _rest(s)
-            since_s = s.world.now_s
-            _settle(s, command)
-            samples = s.sampled(since_s, command)
-            s.stop()
+            since_s, samples = s.until_held(partial(_samples_of_step, s, axis, command))
             speeds = _each_cycle(samples, since_s, axis)
             found = fit(command[axis], speeds, slopes)
             if found is not None and (best is None or found.misfit < best.misfit):
@@ -189,6 +192,22 @@ def responses(s: Session) -> None:
         s.learn(f"{name}_gain", min(max(best.gain, 0.85), 1.15))
     surest = min(s.responses.values(), key=lambda found: found.misfit)
     s.learn("dead_time_cycles", surest.dead_cycles)
+
+
+def _samples_of_step(
+    s: Session, axis: int, command: tuple[float, float]
+) -> tuple[float, list[wire.Speeds]]:
+    """Command a speed from rest, then stop; return when it was commanded, and what was reported."""
+    s.lasts(
+        f"A step to {command[axis]:g} {('m/s', 'rad/s')[axis]}, and the stop",
+        3 * STOP_S + _SETTLE_S + ANSWER_S,
+    )
+    _rest(s)
+    since_s = s.world.now_s
+    _settle(s, command)
+    samples = s.sampled(since_s, command)
+    s.stop()
+    return since_s, samples
 
 
 def _step(
@@ -447,8 +466,8 @@ def _comes_back(s: Session, target: float, shift_s: float, lead_s: float) -> boo
 def _pad_target(s: Session) -> None:
     s.begin()
     s.stop()
-    s.please("press_pad_a", "Hold [A] again: now the game pad drives, and reports are compared.")
-    s.please("pad_forward", "Press the right trigger a little, so that the wheels turn.")
+    s.please("press_pad_a", "Hold [A] again, and keep it held for the next line, too.")
+    s.please("pad_forward", "Press the right trigger a little, so that the wheels turn; keep both.")
     since_s = s.world.now_s
     s.run(4.0, None)
     last = s.sampled(since_s, None)[-1]
@@ -499,9 +518,7 @@ def _without_power(s: Session, key: str, text: str, speed: float) -> list[wire.S
     s.please(key, text)
     changes = changed_inputs(before, digital_inputs(s))
     s.hold()
-    since_s = s.world.now_s
-    s.run(1.0, (speed, 0.0))
-    samples = s.sampled(since_s, None)
+    samples = s.until_held(partial(_run_and_sample, s, 1.0, speed))
     s.watched.append(
         [
             f"{text} A speed of {speed:g} m/s was sent.",
@@ -510,6 +527,12 @@ def _without_power(s: Session, key: str, text: str, speed: float) -> list[wire.S
         ]
     )
     return samples
+
+
+def _run_and_sample(s: Session, seconds: float, speed: float) -> list[wire.Speeds]:
+    since_s = s.world.now_s
+    s.run(seconds, (speed, 0.0))
+    return s.sampled(since_s, None)
 
 
 def _power_comes_back(s: Session, samples: list[wire.Speeds]) -> None:
@@ -523,12 +546,11 @@ def power_on(s: Session) -> None:
     """Restart, and see whether the motors have power at once."""
     s.begin()
     keep_clock(s)
-    restart(s, "Whether the motors have power after that, is found out next.")
+    restart(s, "Whether the motors have power after that, is found out next.", 0)
     restarted(s)
     s.hold()
-    since_s = s.world.now_s
-    s.run(2.0, (0.1, 0.0))
-    moved = abs(s.sampled(since_s, None)[-1].speed[0]) > 0.03
+    samples = s.until_held(partial(_run_and_sample, s, 2.0, 0.1))
+    moved = abs(samples[-1].speed[0]) > 0.03
     s.stop()
     s.learn("start_safe", int(not moved))
     s.please("motors_on", "Press the green button: after a restart the motors may need it.")
@@ -545,8 +567,8 @@ def odometry(s: Session) -> None:
     _replace(s, before)
     s.hold()
     speed = _speed(s, 0)
-    ahead, driven = _travel(s, (speed, 0.0))
-    turn, turned = _travel(s, (0.0, _speed(s, 1)))
+    ahead, driven = s.until_held(partial(_travel, s, (speed, 0.0)))
+    turn, turned = s.until_held(partial(_travel, s, (0.0, _speed(s, 1))))
     scale = ahead[0] / driven[0] if driven[0] else 0.0
     s.learn("odometry_scale", round(min(max(scale, -2.0), 2.0), 3))
     if abs(scale) > 0.05 and turned[1]:
@@ -608,5 +630,9 @@ def may_leave_the_stand(s: Session) -> None:
     if "localization" not in s.usable:
         raise UnsafeError("no_localization", "The robot reports no pose, which moves need.")
     scale = s.known.get("odometry_scale")
-    if scale is None or not 0.5 <= scale <= 2.0 or s.known.get("odometry_mirrored"):
+    if s.known.get("odometry_mirrored") or (scale is not None and scale < -0.05):
+        raise UnsafeError(
+            "odometry", "The pose goes the other way than the wheels do: moves would be wrong."
+        )
+    if scale is None or not 0.5 <= scale <= 2.0:
         raise UnsafeError("odometry", "The pose does not follow the wheels: moves would be wrong.")
