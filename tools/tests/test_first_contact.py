@@ -48,13 +48,15 @@ def on_the_ground(
         sim.clear_obstacles()
         with sim.connect(scale_linear=1.0, scale_angular=1.0) as robot:
             robot.arm()
+            found: dict[str, float] = {}
             try:
-                return ground.drive(robot, lambda: held(sim, robot), Person(sim, robot)), sim
+                ground.drive(robot, lambda: held(sim, robot), Person(sim, robot), found)
             except ReleasedError:
                 robot.rest()
                 assert sim.state.last_linear_m_s == 0.0
                 assert robot.facts.armed is False
                 raise
+            return found, sim
 
 
 @pytest.mark.parametrize("scale", [0.8, 1.0, 1.3])
@@ -78,14 +80,45 @@ def test_the_stops_of_the_measured_robot_are_those_of_the_safety_page() -> None:
         assert found[f"stops from {speed:g} m/s within, m"] == pytest.approx(way_m, abs=0.05)
 
 
-@pytest.mark.parametrize("late", ["queue_iocard_ms", "queue_differential_ms", "queue_answer_ms"])
-def test_a_robot_that_the_library_would_not_drive_for_long_stays_off_the_ground(late: str) -> None:
+@pytest.mark.parametrize(
+    ("late", "what"),
+    [
+        ("queue_iocard_ms", "statuses of the iocard 220 ms, answers 10 ms"),
+        ("queue_differential_ms", "statuses of the differential 220 ms, answers 10 ms"),
+        ("queue_answer_ms", "answers 220 ms"),
+    ],
+)
+def test_a_robot_that_the_library_would_not_drive_for_long_stays_off_the_ground(
+    late: str, what: str
+) -> None:
+    known = {"queue_answer_ms": 10.0, late: 220.0}
     with Simulator(**{late: 220}) as sim, sim.connect() as robot:
-        with pytest.raises(UnsafeError, match="although the robot stands: not armed: no recent"):
-            ground.stay_armed(robot)
+        with pytest.raises(UnsafeError, match=f"because what it hears is late: {what}"):
+            ground.stay_armed(robot, known)
         assert sim.state.nonzero_speed_commands == 0
     with Simulator() as sim, sim.connect() as robot:
-        ground.stay_armed(robot)
+        ground.stay_armed(robot, known)
+
+
+@pytest.mark.parametrize(
+    ("late_ms", "answer", "lifted"), [(0, "", True), (1500, "no", False), (1500, "yes", True)]
+)
+def test_before_anybody_lifts_the_robot_it_says_whether_the_library_stays_armed(
+    tmp_path: Path, late_ms: int, answer: str, lifted: bool
+) -> None:
+    contact, world = Contact(Mock(now_s=0.0)), Mock()
+    contact.session.world.wait.return_value = []
+    contact.session.known["queue_iocard_ms"] = late_ms
+    world.ask.return_value = answer
+    robot_file.save(tmp_path / "robot.txt", {"override_index": 8})
+    with Simulator(port=0, queue_iocard_ms=late_ms) as sim:
+        options = Mock(folder=tmp_path, robot=sim.address)
+        assert first_contact._is_worth_lifting(contact, options, world) is lifted
+        assert sim.state.nonzero_speed_commands == 0
+    assert (contact.refused is None) is lifted
+    asked = [call.args[1] for call in world.ask.call_args_list]
+    assert len(asked) == (late_ms > 0)
+    assert all("statuses of the iocard 1500 ms. It" in text for text in asked)
 
 
 def test_a_robot_on_which_the_library_does_not_stay_armed_is_not_lifted_down(
@@ -118,7 +151,7 @@ def test_before_it_is_lifted_down_people_mend_what_they_can_and_then_it_is_disar
             robot.sleep(1.0)
 
         world.please.side_effect = mend
-        first_contact.stand_armed(robot, world)
+        first_contact.stand_armed(robot, world, {})
         assert robot.facts.armed is False
     assert len(asked) == 1
     assert "not armed" in asked[0]
@@ -137,7 +170,7 @@ def test_it_does_not_drive_while_the_way_is_not_free() -> None:
         with sim.connect(scale_linear=1.0, scale_angular=1.0) as robot:
             robot.arm()
             person = Careful(sim, robot)
-            ground.drive(robot, lambda: True, person)
+            ground.drive(robot, lambda: True, person, {})
     assert [text for text in person.asked if "0.3 m/s" in text] == [person.asked[2]] * 2
     assert answers == []
 
@@ -182,9 +215,62 @@ def test_after_a_stop_it_drives_once_more_from_the_begin(stopped_by: str) -> Non
                 person.at = sim.true_pose
 
             world.held.side_effect, world.please.side_effect = held, please
-            found = first_contact.drive_on_the_ground(robot, world, person)
+            found: dict[str, float] = {}
+            first_contact.drive_on_the_ground(robot, world, person, found)
     assert world.please.call_count == 1
     assert found["scale_linear"] == pytest.approx(1.0, abs=0.02)
+
+
+def test_what_was_typed_before_a_stop_is_not_asked_again() -> None:
+    with Simulator(slip=SLIP) as sim:
+        sim.clear_obstacles()
+        with sim.connect(scale_linear=1.0, scale_angular=1.0) as robot:
+            person, world, found = Person(sim, robot), Mock(), dict[str, float]()
+            world.held.side_effect = lambda: len(person.asked) != 1 or world.please.called
+            world.please.side_effect = lambda _key, _text: robot.sleep(3.0)
+            first_contact.drive_on_the_ground(robot, world, person, found)
+    assert world.please.call_count == 1
+    assert sum("How many metres" in text for text in person.asked) == 1
+    assert len(found) == 4
+
+
+def test_a_number_that_is_far_off_is_asked_again() -> None:
+    answers = ["100", "0.98"]
+
+    class Hasty(Person):
+        def __call__(self, text: str) -> str:
+            answer = super().__call__(text)
+            return answers.pop(0) if "metres" in text else answer
+
+    found: dict[str, float] = {}
+    with Simulator(slip=SLIP) as sim:
+        sim.clear_obstacles()
+        with sim.connect(scale_linear=1.0, scale_angular=1.0) as robot:
+            robot.arm()
+            person = Hasty(sim, robot)
+            ground.drive(robot, lambda: True, person, found)
+    assert "far from that: measure again. How many metres" in person.asked[1]
+    assert found["scale_linear"] == pytest.approx(1 / 0.98, abs=0.03)
+    assert ["about 1 m" in person.asked[3], "about 2 m" in person.asked[4]] == [True, True]
+
+
+@pytest.mark.parametrize("odometry_scale", [1.0, 1.302])
+def test_with_its_robot_file_the_robot_and_the_simulator_of_that_file_turn_as_far_as_asked(
+    odometry_scale: float, tmp_path: Path
+) -> None:
+    file = tmp_path / "robot.txt"
+    found, _sim = on_the_ground(odometry_scale=odometry_scale)
+    scales = {name: found[name] for name in ("scale_linear", "scale_angular")}
+    robot_file.save(file, {"odometry_scale": odometry_scale, **scales})
+    for settings in ({"slip": SLIP, "odometry_scale": odometry_scale}, {"robot_file": file}):
+        with Simulator(**settings) as sim:
+            sim.clear_obstacles()
+            with sim.connect(robot_file=file) as robot:
+                robot.arm()
+                robot.move(1.0)
+                assert sim.true_pose.x_m == pytest.approx(1.0, abs=0.03)
+                robot.turn(math.pi / 2)
+                assert sim.true_pose.theta_rad == pytest.approx(math.pi / 2, abs=0.05)
 
 
 def test_what_no_robot_file_can_hold_is_left_out_of_it(tmp_path: Path) -> None:

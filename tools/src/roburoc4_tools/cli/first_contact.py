@@ -8,7 +8,7 @@ import json
 import sys
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from . import session
 from .errors import ExitCode, refused, unwritable, usage
@@ -17,7 +17,7 @@ from .output import note
 from .signals import Signalled, unsuspendable
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from roburoc4 import Robot
 
@@ -36,7 +36,8 @@ _LIFT_DOWN = (
     "Robot on the ground, 5 m free all around. It will move 1 m, turn left by 90 degrees, and stop "
     "from 0.3 and 0.6 m/s. If not: emergency stop."
 )
-_T = TypeVar("_T")
+_LIBRARY_SUBSCRIPTIONS = 12
+"""Room for those of the library that stay, and for those of the steps."""
 
 
 class ContactOptions(Options):
@@ -68,6 +69,7 @@ def _run(options: ContactOptions) -> int:
     from ..first_contact import bundle
     from ..first_contact.contact import STEPS, Contact
     from ..first_contact.terminal import TerminalWorld
+    from ..first_contact.wheels import LIFTED_BY
     from .keyboard import Keyboard
 
     if not sys.stdin.isatty():
@@ -86,6 +88,8 @@ def _run(options: ContactOptions) -> int:
             for number, step in enumerate(contact.steps(), len(contact.done) + 1):
                 _keep(contact, options.folder, name)  # a killed one goes on from here, too
                 title = f"Step {number} of {len(STEPS)}, {step.name}."
+                if step.name == LIFTED_BY and not _is_worth_lifting(contact, options, world):
+                    break
                 world.say(f"\n{title} {step.moves or 'Nothing moves.'}")
         except (KeyboardInterrupt, Signalled):
             note("interrupted: the same command goes on where this was")
@@ -96,9 +100,7 @@ def _run(options: ContactOptions) -> int:
         if contact.refused is None:
             _ground(contact, options, world, name)
     if contact.refused is not None:
-        raise refused(
-            f"{contact.refused} ({contact.refused.reason}; {options.folder}/contact.html)"
-        )
+        raise refused(f"{contact.refused} (all answers: {options.folder}/contact.html)")
     note(f"{options.folder / _FILE} is the robot file; send contact.zip to the project, please")
     return ExitCode.FINE
 
@@ -163,9 +165,9 @@ def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, nam
         settings = {"robot_file": options.folder / _FILE, "record": Path(private) / "drive.pcapng"}
         try:
             with session.connected(options, **settings, **unscaled) as robot:
-                stand_armed(robot, world)
+                stand_armed(robot, world, contact.session.known)
                 world.please("ground", _LIFT_DOWN)
-                found = drive_on_the_ground(robot, world, ask)
+                drive_on_the_ground(robot, world, ask, found)
         except UnsafeError as reason:
             contact.refused = reason
         finally:
@@ -177,45 +179,70 @@ def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, nam
             _keep(contact, options.folder, name)
 
 
-def stand_armed(robot: Robot, world: TerminalWorld) -> None:
-    """Ask whether the library stays armed, before anybody lifts the robot down."""
+def _is_worth_lifting(contact: Contact, options: ContactOptions, world: TerminalWorld) -> bool:
+    """Whether the library stays armed with this robot, or people want to lift it nevertheless."""
+    from ..first_contact.session import UnsafeError
+
+    s = contact.session
+    if s.known.get("delete_refused") and s.most_subscriptions() < _LIBRARY_SUBSCRIPTIONS:
+        return True  # those of the library would stay; whether it arms is found out on the stand
+    for service in s.usable:
+        s.unsubscribe(service)
+    try:
+        with session.connected(options, robot_file=options.folder / _FILE) as robot:
+            stand_armed(robot, world, s.known)
+    except UnsafeError as reason:
+        answer = world.ask(
+            "lift_nevertheless",
+            f"{reason} So it will not leave the stand. Lift and measure it nevertheless? yes or no",
+        )
+        if answer.lower() not in ("yes", "y"):
+            contact.refused = reason
+    s.pump(0.0)
+    return contact.refused is None
+
+
+def stand_armed(robot: Robot, world: TerminalWorld, known: Mapping[str, float]) -> None:
+    """Ask whether the library stays armed, before anybody lifts the robot."""
     from ..first_contact import ground
 
     world.say(
         f"\nDo not lift the robot yet. Does the library stay armed for {ground.STANDING_S:.0f} s? "
         "Nothing moves."
     )
-    _until_done(robot, world, lambda: ground.stay_armed(robot), "")
+    _until_done(robot, world, lambda: ground.stay_armed(robot, known), "")
 
 
 def drive_on_the_ground(
-    robot: Robot, world: TerminalWorld, ask: Callable[[str], str]
-) -> dict[str, float]:
-    """Drive, from the beginning once more if the robot was stopped."""
+    robot: Robot, world: TerminalWorld, ask: Callable[[str], str], found: dict[str, float]
+) -> None:
+    """Drive, and repeat what was not measured yet if the robot was stopped."""
     from ..first_contact import ground
 
-    def drive() -> dict[str, float]:
+    def drive() -> None:
         world.hold("Hold the space bar; the robot stops when it is let go.")
         robot.arm()
-        return ground.drive(robot, world.held, ask)
+        ground.drive(robot, world.held, ask, found)
 
-    return _until_done(robot, world, drive, " 5 m free all around again?")
+    _until_done(robot, world, drive, " Make sure that 5 m are free all around again.")
 
 
-def _until_done(robot: Robot, world: TerminalWorld, deed: Callable[[], _T], question: str) -> _T:
-    """Do it, from the beginning once more after what people can mend."""
+def _until_done(robot: Robot, world: TerminalWorld, deed: Callable[[], None], remedy: str) -> None:
+    """Do it, and once more after what people can mend."""
     from roburoc4 import ClosedError, RobotError
 
     from ..first_contact.session import ReleasedError
 
     while True:
         try:
-            return deed()
+            deed()
         except ReleasedError:
             reason = "the key was let go"
         except ClosedError:
             raise
         except RobotError as error:
             reason = str(error)
+        else:
+            return
         robot.stop()
-        world.please("again", f"Stopped: {reason}.{question} Once more?")
+        world.please("again", f"Stopped: {reason}.{remedy} Get ready to repeat that.")

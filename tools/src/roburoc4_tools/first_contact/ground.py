@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from .session import ReleasedError, UnsafeError, number
@@ -17,10 +17,15 @@ _BRAKING_S = 0.65
 _FASTER_S = 2.5
 _RENEW_S = 0.05
 _LEAST, _MOST = 0.5, 2.0
+_LATE = {
+    "queue_answer_ms": "answers",
+    "queue_iocard_ms": "statuses of the iocard",
+    "queue_differential_ms": "statuses of the differential",
+}
 STANDING_S = 5.0
 
 
-def stay_armed(robot: Robot) -> None:
+def stay_armed(robot: Robot, known: Mapping[str, float]) -> None:
     """Refuse a robot that the library would not drive for long, while it stands; then disarm."""
     from roburoc4 import NotArmedError, Result
 
@@ -33,19 +38,33 @@ def stay_armed(robot: Robot) -> None:
     except NotArmedError as error:
         if error.code not in (Result.STALE_DIFFERENTIAL, Result.STALE_IOCARD):
             raise  # what people can mend
-        raise UnsafeError(
-            "stays_not_armed",
-            f"The library does not stay armed although the robot stands: {error}. How late its "
-            "statuses and answers are, is in robot.txt (queue_...).",
-        ) from None
+        raise UnsafeError("stays_not_armed", late(known)) from None
     finally:
         robot.stop()
 
 
-def drive(robot: Robot, held: Callable[[], bool], ask: Callable[[str], str]) -> dict[str, float]:
-    """Drive, ask how far that really was, and return both scales and the ways of the stops.
+def late(known: Mapping[str, float]) -> str:
+    """Say what is late, the latest first."""
+    delays = sorted(
+        ((known[name], what) for name, what in _LATE.items() if name in known), reverse=True
+    )
+    latest = ", ".join(f"{what} {ms:.0f} ms" for ms, what in delays)
+    return (
+        "The library does not stay armed although the robot stands, because what it hears is late: "
+        f"{latest or 'how late is not known'}. It arms only on statuses that are at most 300 ms "
+        "old, whatever is late: mend the network if that is not the robot."
+    )
 
-    The robot is connected with scales of 1.
+
+def drive(
+    robot: Robot,
+    held: Callable[[], bool],
+    ask: Callable[[str], str],
+    found: dict[str, float],
+) -> None:
+    """Drive, ask how far that really was, and keep both scales and the ways of the stops.
+
+    The robot is connected with scales of 1. What was found is not measured again.
     """
 
     def check() -> None:
@@ -58,34 +77,47 @@ def drive(robot: Robot, held: Callable[[], bool], ask: Callable[[str], str]) -> 
 
     def asked(text: str) -> str:
         robot.stop()  # people are near it
-        answer = ask(text)
-        robot.arm()
-        return answer
+        return ask(text)
 
     looking = None if _sees(robot) else 0.0  # somebody does, with an emergency stop in hand
-    counted_m = robot.move(1.0, speed=0.2, clearance=looking, on_progress=watch).distance_m
-    real_m = number(asked, "How many metres did the robot move?")
-    turned = robot.turn(math.pi / 2, speed=0.3, clearance=looking, on_progress=watch).angle_rad
-    degrees = number(asked, "By how many degrees did it turn, to the left?")
-    found = {
-        "scale_linear": counted_m / real_m if real_m else math.inf,
-        "scale_angular": turned / math.radians(degrees) if degrees else math.inf,
-    }
-    if not all(_LEAST <= scale <= _MOST for scale in found.values()):
-        raise UnsafeError(
-            "scales", "What the wheels count is far from what was measured: measure again."
-        )
+    if "scale_linear" not in found:
+        counted_m = robot.move(1.0, speed=0.2, clearance=looking, on_progress=watch).distance_m
+        text = "How many metres did the robot move?"
+        found["scale_linear"] = _scale(asked, text, counted_m, "m")
+        robot.arm()
+    if "scale_angular" not in found:
+        turned = robot.turn(math.pi / 2, speed=0.3, clearance=looking, on_progress=watch).angle_rad
+        text = "By how many degrees did it turn, to the left?"
+        found["scale_angular"] = _scale(asked, text, math.degrees(turned), "degrees")
+        robot.arm()
     for speed in (0.3, 0.6):
-        text = f"It will drive 2 m and stop from {speed:g} m/s: is the way free? yes or no"
+        name = f"stops from {speed:g} m/s within, m"
+        if name in found:
+            continue
+        about_m = speed * (_FASTER_S + _BRAKING_S)
+        text = (
+            f"It will drive about {about_m:.0f} m, and stop from {speed:g} m/s: is the way free? "
+            "yes or no"
+        )
         while asked(text).strip().lower() not in ("yes", "y"):
             pass
+        robot.arm()
         way_m = _stop_from(robot, speed, check) / found["scale_linear"]
-        found[f"stops from {speed:g} m/s within, m"] = round(way_m, 2)
+        found[name] = round(way_m, 2)
         if way_m > 2 * _BRAKING_S * speed:
             raise UnsafeError(
                 "braking", f"It rolls {way_m:.2f} m from {speed:g} m/s: keep off the ground."
             )
-    return found
+
+
+def _scale(ask: Callable[[str], str], text: str, counted: float, unit: str) -> float:
+    """Return what the wheels count by what is measured; asks again if these are far apart."""
+    again = f"The wheels counted {counted:.2f} {unit}, far from that: measure again. {text}"
+    for question in (text, again):
+        real = number(ask, question)
+        if real and _LEAST <= counted / real <= _MOST:
+            return counted / real
+    raise UnsafeError("scales", f"The wheels counted {counted:.2f} {unit}, far from the {real:g}.")
 
 
 def _sees(robot: Robot) -> bool:
