@@ -92,7 +92,6 @@ roburoc4_result roburoc4_client_set_role_index(client *c, uint32_t role, int32_t
     begin_call(c, now_us);
     c->private_config.role_index[role] = (int16_t)index;
     if (role == ROBUROC4_ROLE_OVERRIDE) {
-        c->private_drive.overridden = 0; /* of another input */
         roburoc4_conditions_tick(c);
         forget_override(c);
         roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_OVERRIDE_UNKNOWN);

@@ -489,7 +489,7 @@ static void watch_targets(drive *d, const roburoc4_config *config, const float *
                           uint32_t *events) {
     const uint32_t index = STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL);
     if (d->stopping) {
-        if (zero && d->zeros_sent >= STOP_ZEROS &&
+        if (zero && !d->overridden && d->zeros_sent >= STOP_ZEROS &&
             now_us - d->stop_us >= roburoc4_link_age_at_arrival(l, index)) {
             d->confirmed = 1; /* an older status is from before the zeros */
         }

@@ -220,9 +220,10 @@ static void take_inputs(client *c, const roburoc4_channels *inputs) {
     }
     c->private_conditions.override_known = known;
     c->private_conditions.overridden = overridden;
-    if (c->private_state != ROBUROC4_STATE_CLOSING) { /* which the stop sequence must end */
-        roburoc4_drive_override(&c->private_drive, overridden);
+    if (c->private_state == ROBUROC4_STATE_CLOSING) {
+        c->private_drive.overridden = overridden; /* no other stop sequence, as this one must end */
     }
+    roburoc4_drive_override(&c->private_drive, overridden);
     if (overridden) {
         roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_OVERRIDE);
     }

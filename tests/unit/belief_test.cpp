@@ -86,6 +86,59 @@ TEST_F(StopBelief, IsNotConfirmedWhileTheOverrideLasts) {
     EXPECT_TRUE(events & ROBUROC4_EVENT_STOP_UNCONFIRMED);
 }
 
+TEST_F(StopBelief, IsNotConfirmedBeforeTheInputOfTheOverrideIsRead) {
+    for (const std::int32_t index : {ROBUROC4_DI_PAD_A, ROBUROC4_DI_PAD_A + 1}) {
+        SCOPED_TRACE(index);
+        ResumingRobot fresh;
+        robot = fresh;
+        Bench again(robot);
+        again.armed();
+        ASSERT_NO_FATAL_FAILURE(again.driving(1, 0, second));
+        robot.hold(true);
+        again.run(500 * ms);
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_set_role_index(&again.client, ROBUROC4_ROLE_OVERRIDE,
+                                                              index, again.client_us()));
+        ASSERT_EQ(ROBUROC4_OK, again.receive(robot.status_at(differential, robot.cycles() + 1)));
+        again.poll();
+        EXPECT_NE(ROBUROC4_STOP_CONFIRMED, again.facts().stop_outcome);
+        if (index != ROBUROC4_DI_PAD_A)
+            continue; /* from the next status on, [A] is another input */
+        again.run(5 * second);
+        robot.hold(false);
+        ASSERT_EQ(1.0F, robot.target_linear);
+        again.run(60 * ms);
+        EXPECT_EQ(0.0F, robot.target_linear);
+    }
+}
+
+TEST_F(StopBelief, OfAClosingClientIsConfirmedWhenTheOverrideEnds) {
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
+    robot.hold(true);
+    bench.run(200 * ms);
+    ASSERT_EQ(ROBUROC4_OK, bench.close());
+    bench.run(100 * ms);
+    ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
+    robot.hold(false);
+    bench.run(300 * ms);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOPPED);
+}
+
+TEST_F(StopBelief, IsConfirmedAgainByARobotThatLostItsInputs) {
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
+    robot.hold(true);
+    bench.run(500 * ms);
+    robot.reboot();
+    robot.hold(false);
+    robot.target_linear = robot.current_linear = 0;
+    robot.remove(ROBUROC4_SERVICE_IOCARD);
+    bench.run(10 * second);
+    ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+    EXPECT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
+}
+
 TEST_F(StopBelief, IsSentAgainWhenOurSpeedComesBack) {
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
