@@ -185,7 +185,7 @@ void roburoc4_drive_heard(drive *d, uint32_t sent_us) {
     if ((int32_t)(sent_us - d->heard_us) > 0) {
         d->heard_us = sent_us;
     }
-    if (!d->lease_active && !d->stop_pending && d->zeros_sent != 0 &&
+    if (!d->nonzero_sent && !d->stop_pending && d->zeros_sent != 0 &&
         (int32_t)(sent_us - d->stop_us) > 0) {
         d->in_flight = 0; /* the zero before this request arrived, too, and so did all before it */
     }
@@ -277,11 +277,16 @@ static void widen_envelope(drive *d) {
 
 /** Until the robot is known to have a new target, or to have stopped, it may keep an old one; and
  * until it answers a request that was sent after the zeros, an old one may still arrive: a target
- * of 0 also confirms the stop of a robot that no speed has reached yet. */
+ * of 0 also confirms the stop of a robot that no speed has reached yet. A lease that sent no speed
+ * shows neither. */
 static void age_envelope(drive *d, uint32_t window_us, uint32_t now_us) {
-    const bool settled =
-        d->lease_active && !d->stopping ? !d->echo_due : !d->unconfirmed && !d->in_flight;
-    if (settled && now_us - d->envelope_us >= window_us) {
+    if (now_us - d->envelope_us < window_us) {
+        return;
+    }
+    const bool settled = d->lease_active && d->nonzero_sent && !d->stopping
+                             ? !d->echo_due
+                             : !d->unconfirmed && !d->in_flight;
+    if (settled) {
         memcpy(d->low_before, d->low, sizeof d->low);
         memcpy(d->high_before, d->high, sizeof d->high);
         memcpy(d->low, d->sent, sizeof d->low);

@@ -213,6 +213,24 @@ TEST_F(StopBelief, IsWatchedWhileWhatWasSentMayStillArrive) {
     EXPECT_EQ(0.0F, robot.target_linear);
 }
 
+TEST_F(StopBelief, IsWatchedThroughLeasesWithoutASpeed) {
+    bench.armed();
+    bench.drop_to_robot = [](const Bytes &) { return true; }; /* a queue takes it all */
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 200 * ms));
+    for (int i = 0; i < 4; i++) {
+        bench.stop();
+        bench.run(1500 * ms);
+        ASSERT_EQ(ROBUROC4_OK, bench.arm());
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0, 0, 200 * ms)) << i;
+    }
+    bench.stop();
+    bench.run(second);
+    bench.drop_to_robot = nullptr;
+    robot.target_linear = 1; /* the speed comes, the zeros do not */
+    bench.run(60 * ms);
+    EXPECT_EQ(0.0F, robot.target_linear);
+}
+
 TEST_F(StopBelief, IsNeverSentToAnotherCommandersSpeed) {
     bench.ready();
     robot.follows = false;

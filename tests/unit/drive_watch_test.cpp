@@ -146,6 +146,18 @@ TEST(OtherCommander, MayUseTheSpeedThatWeUsedLongAgoHoweverOftenWeStopped) {
     EXPECT_EQ(ROBUROC4_ERR_OTHER_COMMANDER, bench.drive_until_refused(0.2F, 0, 400 * ms));
 }
 
+TEST(OtherCommander, MayUseTheSpeedThatWeUsedBeforeALeaseWithoutASpeed) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 300 * ms));
+    bench.pause();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0, 0, 5 * second));
+    robot.follows = false;
+    robot.target_linear = 1;
+    EXPECT_EQ(ROBUROC4_ERR_OTHER_COMMANDER, bench.drive_until_refused(0, 0, 400 * ms));
+}
+
 TEST(OtherCommander, IsNotARobotThatDropsItsTargetsItself) {
     ScriptedRobot robot;
     robot.follows = false; /* its targets stay 0 */
