@@ -215,6 +215,12 @@ def test_a_picture_that_is_old_says_so_and_a_dead_camera_takes_no_room(
     until(lambda: page.locator("#map").evaluate("(node) => node.clientWidth") > 1.3 * wide)
     stage = page.locator("#stage").evaluate("(node) => node.clientWidth")
     assert page.locator("#map").evaluate("(node) => node.clientWidth") >= stage - 2
+    page.locator("#map-past").click()
+    uncovered = """(node) => {
+        const { left, bottom, width } = node.getBoundingClientRect();
+        return document.elementFromPoint(left + width / 2, bottom - 3) === node;
+    }"""
+    assert page.locator("#past-end").evaluate(uncovered)
     RUNS.set()
     expect(caption).to_have_text("front")
 
