@@ -549,6 +549,36 @@ class FirstContact(unittest.TestCase):
 
         world.hold = hold_shortly
 
+    def test_let_go_while_the_cable_is_out_it_is_plugged_in_before_it_is_pulled_again(self) -> None:
+        contact = self.contact(DRIVEN)
+        world = contact.session.world
+        countdown, begun = world.countdown, 0
+
+        def pull(key: str, text: str, seconds: float) -> None:
+            countdown(key, text, seconds)
+            world.let_go_at_s = world.now_s + 2.5
+            world.countdown = countdown
+
+        for step in contact.steps():
+            if step.name == "pad":
+                break
+            if step.name == "outage":
+                begun, world.countdown = len(world.asked), pull
+        asked = [key for key in world.asked[begun:] if key != "hold"]
+        pulls = ["at_cable", "cable_out"]
+        assert asked == [*pulls, "again", "cable_in", *pulls, "cable_in"]
+
+    def test_a_countdown_that_something_else_overtakes_is_not_counted_on(self) -> None:
+        keyboard = mock.Mock(reports_releases=False)
+        world = TerminalWorld("127.0.0.1", 9, keyboard)
+        typed_s = world.now_s + 2.0
+        keyboard.keys.side_effect = lambda _s: [Key("\n", "press")] if world.now_s > typed_s else []
+        said: list[str] = []
+        with mock.patch.object(TerminalWorld, "say", side_effect=said.append):
+            world.countdown("cable_out", "Pull it at 0.", 1.0)
+            world.please("again", "Get ready.")
+        assert said == ["  Pull it at 0.", "  Get ready. Then press Enter."]
+
     def test_a_wrong_no_is_asked_once_more(self) -> None:
         contact = self.contact(DRIVEN)
         world, ask, noes = contact.session.world, contact.session.world.ask, ["no"]

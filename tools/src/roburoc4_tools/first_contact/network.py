@@ -14,6 +14,7 @@ _ENDS_S = 10.0
 _OUTAGE_S = 1.5
 _PULLED_S = 10.0
 _BACK_S = 15.0
+_SILENT_S = 1.0
 
 
 def network(s: Session) -> None:
@@ -115,16 +116,15 @@ def keep_clock(s: Session) -> None:
 def outage(s: Session) -> None:
     """Lose the link in mid-drive: the robot must have stopped when it comes back."""
     s.begin()
+    is_silent = s.world.now_s - s.heard_s > _SILENT_S
+    if is_silent and s.request(wire.GET, wire.DIRECTORY) is None:
+        _plug_in(s)  # the key was let go while the cable was out
     hear_clock(s)
     s.please("at_cable", "Take hold of the plug of the network cable: you pull it at 0.")
     if not _pulled(s):
         s.stop()
         raise MissedError("The cable was not pulled: the robot was heard all the time.")
-    while True:
-        s.please("cable_in", "Plug the network cable in again, and wait for its lamp.")
-        s.lasts("Waiting until the robot answers", _BACK_S)
-        if s.request(wire.GET, wire.DIRECTORY, tries=round(_BACK_S / ANSWER_S)) is not None:
-            break
+    _plug_in(s)
     statuses = len(s.hear("iocard", 1.5))
     since_s = s.world.now_s
     s.run(1.0, None)
@@ -139,6 +139,14 @@ def outage(s: Session) -> None:
     )
     if speed > 0.03:
         raise UnsafeError("drives_on", "The robot drove on although the link was broken.")
+
+
+def _plug_in(s: Session) -> None:
+    answer = None
+    while answer is None:
+        s.please("cable_in", "Plug the network cable in again, and wait for its lamp.")
+        s.lasts("Waiting until the robot answers", _BACK_S)
+        answer = s.request(wire.GET, wire.DIRECTORY, tries=round(_BACK_S / ANSWER_S))
 
 
 def _pulled(s: Session) -> bool:

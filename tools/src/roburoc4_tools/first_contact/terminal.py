@@ -101,6 +101,7 @@ class TerminalWorld(World):
 
     def _line(self) -> str:
         """Return the next line that is typed; the robot is heard meanwhile."""
+        self._count.clear()  # what ended early, such as by letting the key go
         self._typed = ""
         while not {"\n", "\r"} & set(self._typed):
             select.select(list(self._sockets.values()), [], [], _TICK_S)
