@@ -125,6 +125,18 @@ TEST_F(StopBelief, OfAClosingClientIsConfirmedWhenTheOverrideEnds) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOPPED);
 }
 
+TEST_F(StopBelief, OfAClosingClientEndsHoweverOftenTheOverrideDoes) {
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
+    bench.drop_to_robot = is_command;
+    ASSERT_EQ(ROBUROC4_OK, bench.close());
+    for (int i = 0; i < 12; i++) {
+        robot.press(ROBUROC4_DI_PAD_A, i % 2 == 0);
+        bench.run(100 * ms);
+    }
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());
+}
+
 TEST_F(StopBelief, IsConfirmedAgainByARobotThatLostItsInputs) {
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
