@@ -96,7 +96,8 @@ void roburoc4_lifecycle_connect(client *c, uint32_t state) {
     roburoc4_lifecycle_forget_services(c, state);
 }
 
-void roburoc4_lifecycle_lose(client *c) {
+/** The robot has been silent for too long. */
+static void lose(client *c) {
     const bool was_ready = c->private_state == ROBUROC4_STATE_READY;
     roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_LOST);
     count_up(c, ROBUROC4_COUNT_LOST);
@@ -304,7 +305,7 @@ static roburoc4_result poll_outputs(client *c, uint8_t *buffer, size_t capacity)
 static void tick(client *c) {
     timer *t = &c->private_timer;
     if (connected(c) && due(t, c->private_link.last_used_us, patience_us(c))) {
-        roburoc4_lifecycle_lose(c);
+        lose(c);
     }
     roburoc4_conditions_tick(c);
     if (c->private_outputs.relocalizing &&

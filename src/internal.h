@@ -441,8 +441,6 @@ void roburoc4_lifecycle_relocalize_ends(roburoc4_client *c, roburoc4_result resu
 void roburoc4_lifecycle_forget_services(roburoc4_client *c, uint32_t state);
 /** Request the directory. */
 void roburoc4_lifecycle_connect(roburoc4_client *c, uint32_t state);
-/** The robot has been silent for too long. */
-void roburoc4_lifecycle_lose(roburoc4_client *c);
 /** The robot restarted: discover it again. */
 void roburoc4_lifecycle_reboot(roburoc4_client *c);
 /** Before the time becomes now_us: it went back, the program paused, or ages must be limited. */
