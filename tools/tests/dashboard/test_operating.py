@@ -581,7 +581,7 @@ def test_a_robot_that_stood_has_been_there_since_it_arrived(station: Make, visit
     ready(page)
     page.locator("#map-past").click()
     page.locator("#past-at").fill("-100")
-    page.wait_for_function("Object.keys(written).some((text) => text.startsWith('here '))")
+    page.wait_for_function("() => Object.keys(written).some((text) => text.startsWith('here '))")
     texts = page.evaluate("Object.keys(written).filter((text) => text.startsWith('here '))")
     since = time.strftime("%H:%M:%S", time.localtime(now_s - 300))
     assert texts == [f"here since {since}"]
@@ -612,7 +612,7 @@ def test_map_and_plots_go_back_in_time_and_stop_stays_live(station: Make, visit:
     open_tab(page, "plots")
     page.locator("#map-past").click()
     page.locator("#past-at").fill("-120")
-    page.wait_for_function("document.getElementById('map').dataset.past")
+    page.wait_for_function("() => document.getElementById('map').dataset.past")
     x_m, y_m, time_s, theta_rad = map(
         float, (page.locator("#map").get_attribute("data-past") or "").split()
     )
