@@ -32,7 +32,7 @@ exec "$@" """
 
 # What a line asks for: words of it, seconds that it takes, and what happens to the robot then.
 DEEDS: tuple[tuple[str, float, tuple[str, ...]], ...] = (
-    ("Switch the robot off", 5.0, ("power off", "sleep 5", "power on", "sleep 10")),
+    ("the robot off by its main switch", 5.0, ("power off", "sleep 5", "power on", "sleep 10")),
     ("Press the front bumper", 4.0, ("front bumper press",)),
     ("Let the front bumper go", 1.5, ("front bumper release",)),
     ("Press the rear bumper", 6.0, ("rear bumper press",)),

@@ -507,12 +507,12 @@ class FirstContact(unittest.TestCase):
             for step in contact.steps():
                 if step.name == "sticks":
                     break
-            said = [text for *_when, text in world.said if "Switch the robot off" in text]
+            said = [text for *_when, text in world.said if "witch the robot off" in text]
             assert len(said) == (7 if counts is None else 3)
             whys = ("The robot ends no subscription", "Those before may fill the robot's list")
             assert all(text.startswith(whys) for text in said)
             if counts:
-                assert [text[text.index("(") + 1 : -2] for text in said] == counts
+                assert [re.findall(r" Restart (.+?): switch", text)[0] for text in said] == counts
         assert contact.session.known["max_subscriptions"] == 2
 
     def test_how_many_fit_in_is_not_known_where_each_service_has_one_place(self) -> None:
@@ -567,6 +567,24 @@ class FirstContact(unittest.TestCase):
         asked = [key for key in world.asked[begun:] if key != "hold"]
         pulls = ["at_cable", "cable_out"]
         assert asked == [*pulls, "again", "cable_in", *pulls, "cable_in"]
+
+    def test_a_cable_that_was_out_before_the_wheels_turned_is_pulled_again(self) -> None:
+        contact = self.contact(DRIVEN)
+        world = contact.session.world
+        hold, begun = world.hold, 0
+
+        def pull_early(text: str) -> None:
+            hold(text)
+            world.unplugged, world.hold, world.misses = True, hold, {"cable_out": 1}
+
+        for step in contact.steps():
+            if step.name == "pad":
+                break
+            if step.name == "outage":
+                begun, world.hold = len(world.asked), pull_early
+        asked = [key for key in world.asked[begun:] if key != "hold"]
+        pulls = ["at_cable", "cable_out", "cable_in"]
+        assert asked == [*pulls, "missed", *pulls]
 
     def test_a_countdown_that_something_else_overtakes_is_not_counted_on(self) -> None:
         keyboard = mock.Mock(reports_releases=False)

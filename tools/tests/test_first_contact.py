@@ -134,6 +134,7 @@ def test_before_anybody_lifts_the_robot_it_says_whether_the_library_stays_armed(
     asked = [call.args[1] for call in world.ask.call_args_list]
     assert len(asked) == (late_ms > 0)
     assert all("Late are statuses of the iocard 1500 ms. Where" in text for text in asked)
+    assert "Do not lift the robot yet." in world.say.call_args_list[0].args[0]
 
 
 def test_a_robot_on_which_the_library_does_not_stay_armed_is_not_lifted_down(
@@ -148,6 +149,27 @@ def test_a_robot_on_which_the_library_does_not_stay_armed_is_not_lifted_down(
     assert contact.refused is not None
     assert contact.refused.reason == "stays_not_armed"
     world.please.assert_not_called()
+    assert "Leave the robot on its stand." in world.say.call_args_list[0].args[0]
+
+
+def test_what_the_ground_showed_is_said_and_an_interruption_too(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    contact, world = Contact(Mock(now_s=0.0)), Mock()
+    robot_file.save(tmp_path / "robot.txt", {"override_index": 8})
+
+    def drive(_robot: Robot, _world: Mock, _ask: Mock, found: dict[str, float]) -> None:
+        found |= {"scale_linear": 1.3, "stops from 0.3 m/s within, m": 0.2}
+        raise KeyboardInterrupt
+
+    with Simulator(port=0) as sim, patch.object(first_contact, "drive_on_the_ground", drive):
+        options = Mock(folder=tmp_path, robot=sim.address)
+        with pytest.raises(KeyboardInterrupt):
+            first_contact._ground(contact, options, world, "drive.pcapng")
+    said = [call.args[0] for call in world.say.call_args_list[1:]]
+    assert said[0].startswith("  scale_linear = 1.3: way")
+    assert said[1] == "  stops from 0.3 m/s within, m: 0.2"
+    assert "the same command goes on" in capsys.readouterr().err
 
 
 def test_before_it_is_lifted_down_people_mend_what_they_can_and_then_it_is_disarmed(
@@ -166,7 +188,7 @@ def test_before_it_is_lifted_down_people_mend_what_they_can_and_then_it_is_disar
             robot.sleep(1.0)
 
         world.please.side_effect = mend
-        first_contact.stand_armed(robot, world, {})
+        first_contact.stand_armed(robot, world, {}, "Wait.")
         assert robot.facts.armed is False
     assert len(asked) == 1
     assert "not armed" in asked[0]

@@ -92,7 +92,7 @@ def _run(options: ContactOptions) -> int:
                     break
                 world.say(f"\n{title} {step.moves or 'Nothing moves.'}")
         except (KeyboardInterrupt, Signalled):
-            note("interrupted: the same command goes on where this was")
+            _note_interrupted()
             raise
         finally:
             contact.session.leave()
@@ -103,6 +103,10 @@ def _run(options: ContactOptions) -> int:
         raise refused(f"{contact.refused} (all answers: {options.folder}/contact.html)")
     note(f"{options.folder / _FILE} is the robot file; send contact.zip to the project, please")
     return ExitCode.FINE
+
+
+def _note_interrupted() -> None:
+    note("interrupted: the same command goes on where this was")
 
 
 def _resume(contact: Contact, options: ContactOptions, world: TerminalWorld) -> None:
@@ -151,6 +155,7 @@ def known_robots() -> dict[str, dict[str, float]]:
 
 def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, name: str) -> None:
     from ..first_contact import bundle
+    from ..first_contact.answers import sentence
     from ..first_contact.session import UnsafeError
     from ..recordings.capture import Capture
 
@@ -165,12 +170,18 @@ def _ground(contact: Contact, options: ContactOptions, world: TerminalWorld, nam
         settings = {"robot_file": options.folder / _FILE, "record": Path(private) / "drive.pcapng"}
         try:
             with session.connected(options, **settings, **unscaled) as robot:
-                stand_armed(robot, world, contact.session.known)
+                stand_armed(robot, world, contact.session.known, "Leave the robot on its stand.")
                 world.please("ground", _LIFT_DOWN)
                 drive_on_the_ground(robot, world, ask, found)
         except UnsafeError as reason:
             contact.refused = reason
+        except (KeyboardInterrupt, Signalled):
+            _note_interrupted()
+            raise
         finally:
+            for key, value in found.items():
+                known = key.startswith("scale_")
+                world.say(f"  {sentence(key, value) if known else f'{key}: {value:g}'}")
             scales = {key: value for key, value in found.items() if key.startswith("scale_")}
             contact.session.known |= scales
             contact.session.notes |= {k: v for k, v in found.items() if k not in scales}
@@ -190,7 +201,7 @@ def _is_worth_lifting(contact: Contact, options: ContactOptions, world: Terminal
         s.unsubscribe(service)
     try:
         with session.connected(options, robot_file=options.folder / _FILE) as robot:
-            stand_armed(robot, world, s.known)
+            stand_armed(robot, world, s.known, "Do not lift the robot yet.")
     except UnsafeError as reason:
         answer = world.ask(
             "lift_nevertheless",
@@ -202,13 +213,12 @@ def _is_worth_lifting(contact: Contact, options: ContactOptions, world: Terminal
     return contact.refused is None
 
 
-def stand_armed(robot: Robot, world: TerminalWorld, known: Mapping[str, float]) -> None:
+def stand_armed(robot: Robot, world: TerminalWorld, known: Mapping[str, float], where: str) -> None:
     """Ask whether the library stays armed, before anybody lifts the robot."""
     from ..first_contact import ground
 
     world.say(
-        f"\nDo not lift the robot yet. Does the library stay armed for {ground.STANDING_S:.0f} s? "
-        "Nothing moves."
+        f"\n{where} Does the library stay armed for {ground.STANDING_S:.0f} s? Nothing moves."
     )
     _until_done(robot, world, lambda: ground.stay_armed(robot, known), "")
 

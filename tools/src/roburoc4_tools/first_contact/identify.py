@@ -206,11 +206,11 @@ def restart(s: Session, why: str, left: int) -> None:
     """
     s.restarts += 1
     most = s.restarts + left
-    count = f" ({s.restarts} of about {most})" if most > 1 else ""
+    switch = f"Restart {s.restarts} of about {most}: switch" if most > 1 else "Switch"
     s.please(
         "restart",
-        f"{why} Switch the robot off by its main switch, wait 5 s, switch it on. No green "
-        f"button{count}.",
+        f"{why} {switch} the robot off by its main switch, wait 5 s, switch it on. Press no green "
+        "button.",
     )
     s.lasts("Waiting until the robot answers", _START_S)
     while not _answers_within(s, _START_S):

@@ -13,6 +13,7 @@ _SHORTEST_S = 20.0
 _ENDS_S = 10.0
 _OUTAGE_S = 1.5
 _PULLED_S = 10.0
+_DRIVES_S = 0.5
 _BACK_S = 15.0
 _SILENT_S = 1.0
 
@@ -120,11 +121,14 @@ def outage(s: Session) -> None:
     if is_silent and s.request(wire.GET, wire.DIRECTORY) is None:
         _plug_in(s)  # the key was let go while the cable was out
     hear_clock(s)
-    s.please("at_cable", "Take hold of the plug of the network cable: you pull it at 0.")
-    if not _pulled(s):
-        s.stop()
-        raise MissedError("The cable was not pulled: the robot was heard all the time.")
+    s.please(
+        "at_cable",
+        "Take hold of the plug of the network cable: you pull it after a countdown of 1.5 s.",
+    )
+    drove_s = _pulled(s)
     _plug_in(s)
+    if drove_s < _DRIVES_S:
+        raise MissedError("The cable was out before the wheels turned.")
     statuses = len(s.hear("iocard", 1.5))
     since_s = s.world.now_s
     s.run(1.0, None)
@@ -149,10 +153,11 @@ def _plug_in(s: Session) -> None:
         answer = s.request(wire.GET, wire.DIRECTORY, tries=round(_BACK_S / ANSWER_S))
 
 
-def _pulled(s: Session) -> bool:
-    """Drive until the cable was out for longer than the watchdog's time."""
+def _pulled(s: Session) -> float:
+    """Drive until the cable was out for longer than the watchdog's time; return how long before."""
     s.hold()
     s.stop()
+    began_s = s.world.now_s
     longest_s = s.known["robot_watchdog_ms"] / 1000 + _OUTAGE_S
     s.world.countdown("cable_out", "Pull the network cable at 0, and leave it out.", 1.5)
     s.lasts("It stays out until you are asked to plug it in", _PULLED_S + longest_s)
@@ -163,7 +168,10 @@ def _pulled(s: Session) -> bool:
     )
     pulled = s.world.now_s - s.heard_s > _OUTAGE_S
     s.command(0.0, 0.0)  # whatever still waits somewhere, a zero comes last
-    return pulled
+    if not pulled:
+        s.stop()
+        raise MissedError("The cable was not pulled: the robot was heard all the time.")
+    return s.heard_s - began_s - s.known["queue_answer_ms"] / 1000
 
 
 def restarted(s: Session) -> None:

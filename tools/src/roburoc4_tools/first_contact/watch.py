@@ -94,7 +94,8 @@ def inputs(s: Session) -> None:
     if "override_index" not in s.known:
         raise UnsafeError(
             "no_game_pad",
-            "No input changed with [A], so nobody could see that the game pad is in use.",
+            "No input changed with [A], so nobody could see that the game pad is in use. Was the "
+            "game pad off? Then switch it on: the same command asks again.",
         )
 
 

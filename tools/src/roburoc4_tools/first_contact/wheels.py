@@ -76,7 +76,10 @@ def lift(s: Session) -> None:
     s.please("lift", "Wheels off the ground, on a stand that carries 140 kg. Nobody near them.")
     s.please("estop_press", "Press the remote emergency stop, so that you have tried it.")
     s.please("estop_release", "Release it.")
-    s.please("motors_on", "Press the green button: the emergency stop took the motors' power.")
+    s.please(
+        "motors_on",
+        "Press the green button (remote or panel): the emergency stop took the motors' power.",
+    )
 
 
 _DIRECTIONS = (
@@ -371,7 +374,7 @@ def _target_at(samples: list[wire.Speeds], at_s: float) -> float:
 
 def pad(s: Session) -> None:
     """Hold [A] while commands are sent, and see what is obeyed when it is released."""
-    s.please("at_pad", "Take the game pad in hand: a countdown says when to press [A].")
+    s.please("at_pad", "Take the game pad in hand: countdowns of 1.5 s say when to press [A].")
     s.hold()
     s.begin()
     s.statuses.clear()
