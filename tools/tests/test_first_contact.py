@@ -212,6 +212,12 @@ def test_it_does_not_drive_while_the_way_is_not_free() -> None:
     assert answers == []
 
 
+def test_poses_that_come_late_do_not_make_the_way_of_a_stop_longer() -> None:
+    found, _sim = on_the_ground(queue_localization_ms=1000)
+    assert found["stops from 0.3 m/s within, m"] == pytest.approx(0.19, abs=0.02)
+    assert found["stops from 0.6 m/s within, m"] == pytest.approx(0.38, abs=0.03)
+
+
 def test_a_robot_that_rolls_twice_as_far_stays_off_the_ground() -> None:
     with pytest.raises(UnsafeError) as caught:
         on_the_ground(linear_omega_rad_s=1.5, linear_damping=1.5)

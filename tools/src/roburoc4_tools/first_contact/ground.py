@@ -147,14 +147,23 @@ def _sees(robot: Robot) -> bool:
 
 
 def _stop_from(robot: Robot, speed: float, check: Callable[[], None]) -> float:
-    """Drive at this speed, stop, and return how far it rolled, as its pose has it."""
+    """Drive at this speed, stop, and return how far it rolled, as its pose has it.
+
+    Poses may come late, so those that were made then count, not those that have arrived.
+    """
+    poses = robot.statuses("localization")
     end_s = robot.now_s + _FASTER_S
     while robot.now_s < end_s:
         check()
         robot.drive(speed, 0.0)
         robot.sleep(_RENEW_S)
-    begin = robot.wait_for("localization")
+    began = robot.wait_for("differential").robot_cycles
     robot.pause()
     robot.rest()
-    end = robot.wait_for("localization")
+    rested = robot.wait_for("differential").robot_cycles
+    begin = end = next(poses)
+    while end.robot_cycles < rested:
+        end = next(poses)
+        if end.robot_cycles <= began:
+            begin = end
     return math.hypot(end.x_m - begin.x_m, end.y_m - begin.y_m)
