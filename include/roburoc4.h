@@ -595,7 +595,8 @@ typedef struct roburoc4_private_link {
 
 typedef struct roburoc4_private_follow {
     int32_t mean[2], low[2], high[2];
-    uint32_t cycles;
+    uint16_t cycles;
+    int8_t still_cycles[2];
     uint8_t fault_cycles, fault, watching, reserved;
 } roburoc4_private_follow;
 

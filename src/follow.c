@@ -29,6 +29,11 @@
 static const int32_t tolerance[AXES] = {ONE / 10, ONE / 5};
 /* Slower than this is no motion, so targets of twice as much can be watched. */
 static const int32_t slowest_motion[AXES] = {ONE / 200, ONE / 50};
+/* Bounds allow a robot that changes its direction to stand. One that had a target of at least
+ * `clear` for this long, in one direction on balance, and never moved does not follow either. */
+#define STILL_CYCLES 100
+static const int32_t clear[AXES] = {ONE / 6, ONE / 3};
+static const int32_t standing[AXES] = {ONE / 100, ONE / 40};
 
 static int32_t bounded(int32_t value, int32_t most) {
     return value > most ? most : value < -most ? -most : value;
@@ -57,8 +62,24 @@ static bool out_of_bounds(const follow *f, uint32_t axis) {
     return f->mean[axis] < lowest || f->mean[axis] > highest;
 }
 
+/** Whether an axis stands although it should have moved by now. */
+static bool stands(follow *f, uint32_t axis, int32_t target, uint32_t passed) {
+    const int32_t span = (int32_t)passed;
+    int32_t still = f->still_cycles[axis];
+    if (f->mean[axis] >= standing[axis] || f->mean[axis] <= -standing[axis]) {
+        still -= bounded(still, span);
+    } else if (target >= clear[axis]) {
+        still = (still > 0 ? still : 0) + span;
+    } else if (target <= -clear[axis]) {
+        still = (still < 0 ? still : 0) - span;
+    }
+    f->still_cycles[axis] = (int8_t)bounded(still, STILL_CYCLES);
+    return still >= STILL_CYCLES || still <= -STILL_CYCLES;
+}
+
 void roburoc4_follow_begin(follow *f) {
     f->fault_cycles = f->fault = 0;
+    f->still_cycles[LINEAR] = f->still_cycles[ANGULAR] = 0;
     if (f->watching == WATCHING_NOTHING) {
         f->watching = WATCHING_FROM_REST;
     }
@@ -83,15 +104,19 @@ static bool watch_axis(follow *f, uint32_t axis, float measured, const float *ta
         part_way(f->high[axis], target, passed, f->high[axis] > 0 ? SLOWER_BITS : FASTER_BITS);
     f->low[axis] = target < low ? target : low;
     f->high[axis] = target > high ? target : high;
+    if (stands(f, axis, target, passed)) {
+        f->fault_cycles = FAULT_CYCLES;
+        return true;
+    }
     return out_of_bounds(f, axis);
 }
 
 bool roburoc4_follow_status(follow *f, const float *targets,
                             const roburoc4_differential_status *s) {
-    const uint32_t passed = at_most((uint32_t)s->robot_cycles - f->cycles, MOST_CYCLES);
+    const uint32_t passed = at_most((uint16_t)((uint16_t)s->robot_cycles - f->cycles), MOST_CYCLES);
     const bool linear = watch_axis(f, LINEAR, s->current_linear_m_s, targets, passed);
     const bool angular = watch_axis(f, ANGULAR, s->current_angular_rad_s, targets, passed);
-    f->cycles = (uint32_t)s->robot_cycles;
+    f->cycles = (uint16_t)s->robot_cycles;
     f->watching = WATCHING;
     if (targets == NULL) {
         f->fault_cycles = f->fault = 0;

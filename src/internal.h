@@ -269,7 +269,7 @@ enum { WATCHING_NOTHING, WATCHING_FROM_REST, WATCHING };
  */
 static inline void follow_pause(follow *f, const roburoc4_differential_status *status) {
     f->watching = WATCHING_NOTHING;
-    f->cycles = (uint32_t)status->robot_cycles;
+    f->cycles = (uint16_t)status->robot_cycles;
 }
 /** Judge a status: whether the robot has not followed these targets for a while. NULL: it has none
  * to follow now. */

@@ -301,6 +301,82 @@ TEST(Inhibited, IsNoticedThroughNoise) {
     }
 }
 
+/** One that takes the targets, and moves only with motor power. */
+struct Unpowered : ScriptedRobot {
+    bool power = true;
+    void deliver(const Bytes &datagram) override {
+        ScriptedRobot::deliver(datagram);
+        if (!power) {
+            current_linear = current_angular = 0;
+        }
+    }
+};
+
+/** Else it would start to move when motor power returns. */
+TEST(Inhibited, IsNoticedHoweverTheTargetsAlternate) {
+    const struct {
+        const char *what;
+        float target[2], then[2];
+        std::uint64_t span_us, then_us;
+    } cases[] = {
+        {"to and fro", {1, 0}, {-1, 0}, 2500 * ms, 2500 * ms},
+        {"to and fro, slowly", {0.3F, 0}, {-0.3F, 0}, 1200 * ms, 1200 * ms},
+        {"left and right", {0, 1}, {0, -1}, 2 * second, 2 * second},
+        {"in pulses", {1, 0}, {0, 0}, second, 500 * ms},
+        {"in short pulses", {0.3F, 0}, {0, 0}, 600 * ms, 300 * ms},
+    };
+    for (const auto &c : cases)
+        for (const bool moved : {false, true}) {
+            SCOPED_TRACE(testing::Message() << c.what << (moved ? ", after it moved" : ""));
+            Unpowered robot;
+            robot.power = moved;
+            Bench bench(robot);
+            bench.armed();
+            std::uint64_t begun_us = bench.now_us;
+            roburoc4_result result = ROBUROC4_OK;
+            while (result == ROBUROC4_OK && bench.now_us - begun_us < 20 * second) {
+                const bool first = (bench.now_us - begun_us) % (c.span_us + c.then_us) < c.span_us;
+                const float *target = first ? c.target : c.then;
+                robot.power = moved && bench.now_us - begun_us < 6 * second;
+                if (target[0] != 0 || target[1] != 0)
+                    result = bench.drive(target[0], target[1]);
+                else
+                    bench.pause();
+                bench.run(50 * ms);
+            }
+            EXPECT_EQ(ROBUROC4_ERR_INHIBITED, result);
+            EXPECT_LT(bench.now_us - begun_us, (moved ? 6 : 0) * second + 5 * second);
+        }
+}
+
+TEST(Inhibited, IsNoRobotTooSlowForTargetsThatAlternate) {
+    for (const std::uint64_t span_us : {200 * ms, 500 * ms, 1500 * ms}) {
+        SCOPED_TRACE(span_us);
+        Disobedient robot;
+        Bench bench(robot);
+        bench.armed();
+        float slope[2] = {0, 0};
+        std::deque<std::array<float, 2>> held(16, {0, 0});
+        for (int cycle = 0; cycle < 2000; cycle++) {
+            const float sign = static_cast<std::uint64_t>(cycle) * 10 * ms / span_us % 2 == 0 ? 1 : -1;
+            if (cycle % 5 == 0) {
+                ASSERT_EQ(ROBUROC4_OK, bench.drive(sign * 0.3F, sign * -0.5F)) << cycle;
+            }
+            bench.run(10 * ms);
+            held.push_back({robot.target_linear, robot.target_angular});
+            held.pop_front();
+            float *speed[2] = {&robot.current_linear, &robot.current_angular};
+            for (std::size_t axis = 0; axis < 2; axis++)
+                for (int i = 0; i < 10; i++) {
+                    slope[axis] +=
+                        0.001F * 1.5F *
+                        (1.5F * (held.front()[axis] - *speed[axis]) - 2 * 1.2F * slope[axis]);
+                    *speed[axis] += 0.001F * slope[axis];
+                }
+        }
+    }
+}
+
 /** A second-order response, as slow, as fast and as far off as the family allows. */
 TEST(Inhibited, IsNoRobotThatRespondsInItsOwnWay) {
     const float steps[][2] = {{1, 0}, {-1, 0.5F}, {0.1F, -1.5F}, {0.1F, 0}, {0.7F, 1.5F}, {0, 0}};
