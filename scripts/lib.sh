@@ -281,10 +281,10 @@ logged() {
     set -e
 }
 
-# begin_beside SCRIPT: run it beside the stages that follow; its lines appear among theirs. Both have
-# tests in real time, so what else they do computes only what those leave: $aside.
+# begin_beside SCRIPT: run it beside the stages that follow; its lines appear among theirs. It runs in
+# real time, so they compute only what it leaves: $aside.
 # end_beside: wait for it, and fail if it failed.
-aside=${ROBUROC4_BESIDE:+nice -n 19}
+aside=
 begin_beside() {
     aside='nice -n 19'
     beside_script=$1
