@@ -358,7 +358,8 @@ TEST(Inhibited, IsNoRobotTooSlowForTargetsThatAlternate) {
         float slope[2] = {0, 0};
         std::deque<std::array<float, 2>> held(16, {0, 0});
         for (int cycle = 0; cycle < 2000; cycle++) {
-            const float sign = static_cast<std::uint64_t>(cycle) * 10 * ms / span_us % 2 == 0 ? 1 : -1;
+            const float sign =
+                static_cast<std::uint64_t>(cycle) * 10 * ms / span_us % 2 == 0 ? 1 : -1;
             if (cycle % 5 == 0) {
                 ASSERT_EQ(ROBUROC4_OK, bench.drive(sign * 0.3F, sign * -0.5F)) << cycle;
             }
