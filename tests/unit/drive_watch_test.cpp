@@ -239,6 +239,30 @@ struct Disobedient : ScriptedRobot {
     }
 };
 
+/** One with a response of second order on each axis. */
+struct Responding : Disobedient {
+    float frequency, damping, gain;
+    Responding(float frequency_, float damping_, float gain_, std::size_t dead_cycles)
+        : frequency(frequency_), damping(damping_), gain(gain_), held(dead_cycles + 1, {0, 0}) {}
+    /** A cycle of its wheels. */
+    void respond() {
+        held.push_back({target_linear, target_angular});
+        held.pop_front();
+        float *speed[2] = {&current_linear, &current_angular};
+        for (std::size_t axis = 0; axis < 2; axis++)
+            for (int i = 0; i < 10; i++) {
+                slope[axis] += 0.001F * frequency *
+                               (frequency * (gain * held.front()[axis] - *speed[axis]) -
+                                2 * damping * slope[axis]);
+                *speed[axis] += 0.001F * slope[axis];
+            }
+    }
+
+  private:
+    float slope[2] = {0, 0};
+    std::deque<std::array<float, 2>> held;
+};
+
 TEST(Inhibited, DisarmsWhenTheRobotDoesNotFollow) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const struct {
@@ -352,11 +376,9 @@ TEST(Inhibited, IsNoticedHoweverTheTargetsAlternate) {
 TEST(Inhibited, IsNoRobotTooSlowForTargetsThatAlternate) {
     for (const std::uint64_t span_us : {200 * ms, 500 * ms, 1500 * ms}) {
         SCOPED_TRACE(span_us);
-        Disobedient robot;
+        Responding robot(1.5F, 1.2F, 1, 15);
         Bench bench(robot);
         bench.armed();
-        float slope[2] = {0, 0};
-        std::deque<std::array<float, 2>> held(16, {0, 0});
         for (int cycle = 0; cycle < 2000; cycle++) {
             const float sign =
                 static_cast<std::uint64_t>(cycle) * 10 * ms / span_us % 2 == 0 ? 1 : -1;
@@ -364,16 +386,7 @@ TEST(Inhibited, IsNoRobotTooSlowForTargetsThatAlternate) {
                 ASSERT_EQ(ROBUROC4_OK, bench.drive(sign * 0.3F, sign * -0.5F)) << cycle;
             }
             bench.run(10 * ms);
-            held.push_back({robot.target_linear, robot.target_angular});
-            held.pop_front();
-            float *speed[2] = {&robot.current_linear, &robot.current_angular};
-            for (std::size_t axis = 0; axis < 2; axis++)
-                for (int i = 0; i < 10; i++) {
-                    slope[axis] +=
-                        0.001F * 1.5F *
-                        (1.5F * (held.front()[axis] - *speed[axis]) - 2 * 1.2F * slope[axis]);
-                    *speed[axis] += 0.001F * slope[axis];
-                }
+            robot.respond();
         }
     }
 }
@@ -388,28 +401,16 @@ TEST(Inhibited, IsNoRobotThatRespondsInItsOwnWay) {
                     SCOPED_TRACE(testing::Message()
                                  << "frequency " << frequency << ", damping " << damping
                                  << ", gain " << gain << ", dead time " << dead << " cycles");
-                    Disobedient robot;
+                    Responding robot(frequency, damping, gain, dead);
                     Bench bench(robot);
                     bench.armed();
-                    float slope[2] = {0, 0};
-                    std::deque<std::array<float, 2>> held(dead + 1, {0, 0});
                     for (const auto &step : steps) {
                         for (int cycle = 0; cycle < 300; cycle++) {
                             if (cycle % 5 == 0) {
                                 ASSERT_EQ(ROBUROC4_OK, bench.drive(step[0], step[1])) << cycle;
                             }
                             bench.run(10 * ms);
-                            held.push_back({robot.target_linear, robot.target_angular});
-                            held.pop_front();
-                            float *speed[2] = {&robot.current_linear, &robot.current_angular};
-                            for (std::size_t axis = 0; axis < 2; axis++)
-                                for (int i = 0; i < 10; i++) {
-                                    slope[axis] +=
-                                        0.001F * frequency *
-                                        (frequency * (gain * held.front()[axis] - *speed[axis]) -
-                                         2 * damping * slope[axis]);
-                                    *speed[axis] += 0.001F * slope[axis];
-                                }
+                            robot.respond();
                         }
                     }
                 }
