@@ -6,6 +6,8 @@
 
 #include "text.h"
 
+static const char udpm[] = "udpm://";
+
 /* ADDRESS or ADDRESS:PORT of a multicast group, or nothing, up to the URL's end or '?'. */
 static bool is_group(const char *text) {
     uint32_t part = 0;
@@ -56,7 +58,6 @@ static bool is_query(const char *text) {
 }
 
 const char *network_remedy(const char *url) {
-    static const char udpm[] = "udpm://";
     static const char memq[] = "memq://";
     if (url[0] == '\0' || strncmp(url, memq, strlen(memq)) == 0) {
         return NULL;
@@ -73,7 +74,8 @@ const char *network_remedy(const char *url) {
 }
 
 uint16_t network_port(const char *url) {
-    const char *colon = strncmp(url, "udpm://", 7) == 0 ? strchr(url + 7, ':') : NULL;
+    const char *colon =
+        strncmp(url, udpm, strlen(udpm)) == 0 ? strchr(url + strlen(udpm), ':') : NULL;
     uint32_t port = 7667; /* LCM's default */
     if (strncmp(url, "memq", 4) == 0) {
         return 0;
