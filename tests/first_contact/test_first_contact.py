@@ -13,7 +13,7 @@ import sys
 import tempfile
 import unittest
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from datetime import date
 from itertools import islice, pairwise
@@ -549,40 +549,42 @@ class FirstContact(unittest.TestCase):
 
         world.hold = hold_shortly
 
+    def asked_in_outage(self, contact: Contact, **changed: Callable[..., None]) -> list[str]:
+        """Return what this step asks, beside the key, of a person who does this otherwise."""
+        world, begun = contact.session.world, 0
+        for step in contact.steps():
+            if step.name == "pad":
+                break
+            if step.name == "outage":
+                begun = len(world.asked)
+                for name, deed in changed.items():
+                    setattr(world, name, deed)
+        return [key for key in world.asked[begun:] if key != "hold"]
+
     def test_let_go_while_the_cable_is_out_it_is_plugged_in_before_it_is_pulled_again(self) -> None:
         contact = self.contact(DRIVEN)
         world = contact.session.world
-        countdown, begun = world.countdown, 0
+        countdown = world.countdown
 
         def pull(key: str, text: str, seconds: float) -> None:
             countdown(key, text, seconds)
             world.let_go_at_s = world.now_s + 2.5
             world.countdown = countdown
 
-        for step in contact.steps():
-            if step.name == "pad":
-                break
-            if step.name == "outage":
-                begun, world.countdown = len(world.asked), pull
-        asked = [key for key in world.asked[begun:] if key != "hold"]
+        asked = self.asked_in_outage(contact, countdown=pull)
         pulls = ["at_cable", "cable_out"]
         assert asked == [*pulls, "again", "cable_in", *pulls, "cable_in"]
 
     def test_a_cable_that_was_out_before_the_wheels_turned_is_pulled_again(self) -> None:
         contact = self.contact(DRIVEN)
         world = contact.session.world
-        hold, begun = world.hold, 0
+        hold = world.hold
 
         def pull_early(text: str) -> None:
             hold(text)
             world.unplugged, world.hold, world.misses = True, hold, {"cable_out": 1}
 
-        for step in contact.steps():
-            if step.name == "pad":
-                break
-            if step.name == "outage":
-                begun, world.hold = len(world.asked), pull_early
-        asked = [key for key in world.asked[begun:] if key != "hold"]
+        asked = self.asked_in_outage(contact, hold=pull_early)
         pulls = ["at_cable", "cable_out", "cable_in"]
         assert asked == [*pulls, "missed", *pulls]
 
