@@ -65,7 +65,7 @@ static bool out_of_bounds(const follow *f, uint32_t axis) {
 /** Whether an axis stands although it should have moved by now. */
 static bool stands(follow *f, uint32_t axis, int32_t target, uint32_t passed) {
     const int32_t span = (int32_t)passed;
-    int32_t still = f->still_cycles[axis];
+    int32_t still = (int32_t)f->still_cycles[axis];
     if (f->mean[axis] >= standing[axis] || f->mean[axis] <= -standing[axis]) {
         still -= bounded(still, span);
     } else if (target >= clear[axis]) {
