@@ -152,8 +152,8 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 /** How the last stop sequence ended: stop_outcome of roburoc4_facts. */
 #define ROBUROC4_STOP_NONE 0       /* none was sent yet */
 #define ROBUROC4_STOP_RUNNING 1    /* it has not ended */
-#define ROBUROC4_STOP_CONFIRMED 2  /* a status that was made after it began shows both targets 0 */
-#define ROBUROC4_STOP_TIMED_OUT 3  /* robot_watchdog_ms passed without such a status */
+#define ROBUROC4_STOP_CONFIRMED 2  /* the zeros arrived, and a later status shows both targets 0 */
+#define ROBUROC4_STOP_TIMED_OUT 3  /* robot_watchdog_ms passed without that */
 #define ROBUROC4_STOP_OVERRIDDEN 4 /* [A] was held, so the robot may have ignored the zeros */
 
 /** What an IO input is for, independent of its index. */
@@ -296,11 +296,12 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
 
 /* Motion. A drive command is a lease: the target holds for lease_us unless it is renewed. However
  * driving ends (lease over, pause, stop, or an automatic disarm), the stop sequence follows: zero
- * commands, one per drive period, at least three, until a status that was made after the first of
- * them shows both targets 0, or robot_watchdog_ms has passed. Nothing confirms it while [A] is
- * held; it is sent again when [A] is released, and for as long as a status of at most 2 s shows a
- * target of ours without a lease. A new lease waits for its end. The first zero after a speed is
- * sent at once; all other commands are at least a robot cycle (10 ms) apart. */
+ * commands, one per drive period, at least three, until they are known to have arrived, because the
+ * robot answered a request that was sent after the first, and a status made since shows both
+ * targets 0, or until robot_watchdog_ms has passed. Nothing confirms it while [A] is held; it is
+ * sent again when [A] is released, and for as long as a status of at most 2 s shows a target of
+ * ours without a lease. A new lease waits for its end. The first zero after a speed is sent at
+ * once; all other commands are at least a robot cycle (10 ms) apart. */
 
 /** Allow driving. Returns 0, or the first reason against it: ROBUROC4_ERR_NOT_READY,
  *  _NO_DIFFERENTIAL, _LIMITS, _NOT_SUBSCRIBED, _STALE_DIFFERENTIAL, _STALE_IOCARD,
@@ -609,7 +610,7 @@ typedef struct roburoc4_private_drive {
     uint16_t service;
     uint32_t lease_us, granted_us, sent_us, stop_us, envelope_us, heard_us;
     int32_t disarm_cause;
-    uint32_t echo_us;
+    uint32_t expected_us;
     float target[2], sent[2];
     float low[2], high[2], low_before[2], high_before[2];
     float echoed[2], echo_low[2], echo_high[2];

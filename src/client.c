@@ -130,7 +130,7 @@ static const uint16_t stamps[] = {
     AT(drive.stop_us),
     AT(drive.envelope_us),
     AT(drive.heard_us),
-    AT(drive.echo_us),
+    AT(drive.expected_us),
     AT(link.offset_since_us),
     AT(link.last_used_us),
     AT(link.asked_us),
@@ -332,6 +332,8 @@ static roburoc4_result poll_all(client *c, uint8_t *buffer, size_t capacity) {
     } else if (c->private_state == ROBUROC4_STATE_CLOSING) {
         if (!c->private_drive.stopping) {
             roburoc4_lifecycle_enter(c, ROBUROC4_STATE_IDLE);
+        } else if (roburoc4_drive_asks(&c->private_drive, &c->private_timer)) {
+            length = roburoc4_schedule_poll(c, buffer, capacity);
         }
     } else {
         length = poll_outputs(c, buffer, capacity);

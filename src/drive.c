@@ -181,13 +181,21 @@ static bool lease_over(const drive *d, timer *t) {
     return d->lease_active && due(t, d->granted_us, d->lease_us);
 }
 
+bool roburoc4_drive_asks(const drive *d, timer *t) {
+    return d->stopping && d->in_flight && d->zeros_sent != 0 && due(t, d->stop_us, SPACING_US);
+}
+
 void roburoc4_drive_heard(drive *d, uint32_t sent_us) {
     if ((int32_t)(sent_us - d->heard_us) > 0) {
         d->heard_us = sent_us;
     }
-    if (!d->nonzero_sent && !d->stop_pending && d->zeros_sent != 0 &&
+}
+
+void roburoc4_drive_arrived(drive *d, uint32_t sent_us, uint32_t now_us) {
+    if (d->in_flight && !d->nonzero_sent && !d->stop_pending && d->zeros_sent != 0 &&
         (int32_t)(sent_us - d->stop_us) > 0) {
         d->in_flight = 0; /* the zero before this request arrived, too, and so did all before it */
+        d->expected_us = now_us;
     }
 }
 
@@ -301,7 +309,7 @@ static void expect_echo(drive *d, const float *speeds, uint32_t now_us) {
     for (uint32_t axis = 0; axis < AXES && !d->echo_due; axis++) {
         if (!near(speeds[axis], d->echoed[axis], d->echoed[axis], TARGET_TOLERANCE)) {
             d->echo_due = 1;
-            d->echo_us = now_us;
+            d->expected_us = now_us;
             memcpy(d->echo_low, speeds, sizeof d->echo_low);
             memcpy(d->echo_high, speeds, sizeof d->echo_high);
         }
@@ -350,7 +358,7 @@ static bool zero_due(drive *d, const roburoc4_config *config, timer *t) {
         return false;
     }
     if (d->zeros_sent == 0) {
-        d->stop_us = t->now_us;
+        d->stop_us = d->expected_us = t->now_us;
     }
     if (d->zeros_sent < STOP_ZEROS) {
         d->zeros_sent++;
@@ -459,7 +467,7 @@ static void watch_echo(drive *d, const roburoc4_config *config, const float *rep
     const uint32_t limit_us = uplink_limit_us(config);
     if (!d->echo_due && ours) {
         memcpy(d->echoed, reported, sizeof d->echoed);
-    } else if (d->echo_due && now_us - d->echo_us >= limit_us &&
+    } else if (d->echo_due && now_us - d->expected_us >= limit_us &&
                (config->options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
         /* if it answers requests in time, it received the target, and dropped it */
         roburoc4_drive_interrupt(
@@ -494,14 +502,15 @@ static void watch_targets(drive *d, const roburoc4_config *config, const float *
                           uint32_t *events) {
     const uint32_t index = STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL);
     if (d->stopping) {
-        if (zero && !d->overridden && d->zeros_sent >= STOP_ZEROS &&
-            now_us - d->stop_us >= roburoc4_link_age_at_arrival(l, index)) {
+        if (zero && !d->overridden && !d->in_flight && d->zeros_sent >= STOP_ZEROS &&
+            now_us - d->expected_us >= roburoc4_link_age_at_arrival(l, index)) {
             d->confirmed = 1; /* an older status is from before the zeros */
         }
     } else if (d->lease_active) {
         watch_echo(d, config, reported, ours, now_us, events);
     } else if (!zero && ours && has_driven(d)) { /* a speed of ours came late, or came back */
         d->unconfirmed = 1;
+        d->in_flight = 1;
         if (roburoc4_link_age_at_arrival(l, index) < WATCHED_US) {
             stop_again(d);
         }

@@ -239,8 +239,12 @@ void roburoc4_drive_pause(drive *d);
 void roburoc4_drive_stop(drive *d, uint32_t *events);
 /** [A] on the game pad is held, or not. */
 void roburoc4_drive_override(drive *d, bool overridden);
-/** The robot received something that was sent at this time. */
+/** Whether only an answer to a request that is sent now can show that the zeros arrived. */
+bool roburoc4_drive_asks(const drive *d, timer *t);
+/** The robot seems to have received something that was sent at this time. */
 void roburoc4_drive_heard(drive *d, uint32_t sent_us);
+/** The same, for certain: it is known since now_us. */
+void roburoc4_drive_arrived(drive *d, uint32_t sent_us, uint32_t now_us);
 /** Advance the time: end an expired lease, and disarm if `refusal` is set, or for a reason of the
  *  drive state machine's own. */
 void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_result refusal, timer *t,
@@ -417,10 +421,12 @@ static inline roburoc4_result index_of_role(const roburoc4_client *c, uint32_t r
 
 /* How long to wait for the texts of the directory before services without one are left out. */
 #define IDENTIFY_US SECOND
-/* One probe a second goes to each service in turn; while driving, more of them show that the robot
- * still receives. */
-static inline uint32_t probe_period_us(const roburoc4_client *c) {
-    return c->private_drive.lease_active ? 150 * MS : SECOND;
+/* One probe a second goes to each service in turn; more of them show that a robot that drives still
+ * receives, and that the zeros of a stop arrived. */
+static inline uint32_t probe_period_us(roburoc4_client *c) {
+    return roburoc4_drive_asks(&c->private_drive, &c->private_timer) ? 50 * MS
+           : c->private_drive.lease_active                           ? 150 * MS
+                                                                     : SECOND;
 }
 
 /* ---- client.c: the states, and what ends with them ---- */

@@ -470,6 +470,9 @@ static slot *find_request(client *c, const uint8_t *data, size_t size) {
 /** Store what the answer to a request says, or note why that request failed. */
 static roburoc4_result end_request(client *c, const slot *request, const uint8_t *data, size_t size,
                                    bool bad) {
+    if (c->private_state == ROBUROC4_STATE_CLOSING) {
+        return ROBUROC4_OK; /* that it came is all that counts */
+    }
     const roburoc4_result result = bad ? ROBUROC4_ERR_ROBOT : take_answer(c, request, data, size);
     if (result < 0) {
         roburoc4_schedule_failed(c, request, result);
@@ -479,6 +482,19 @@ static roburoc4_result end_request(client *c, const slot *request, const uint8_t
         identify_again(c);
     }
     return bad ? ROBUROC4_OK : result;
+}
+
+/** What it means that the answer with this id came now. */
+static void take_times(client *c, const slot *s, uint8_t id) {
+    const uint32_t now_us = c->private_timer.now_us;
+    roburoc4_drive_heard(&c->private_drive, s->sent_us);
+    if (id == s->id) { /* an error without an id may be about an earlier request */
+        roburoc4_drive_arrived(&c->private_drive, s->sent_us, now_us);
+    }
+    if (measures_round_trip(c, s, id)) {
+        roburoc4_link_round_trip(&c->private_link, s->ask.action == ROBUROC4_ACTION_QUERY,
+                                 s->sent_us, now_us);
+    }
 }
 
 static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t size) {
@@ -495,11 +511,7 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
     }
     wake(c);
     const slot request = *s; /* closing it, or a new state, may change the slot */
-    roburoc4_drive_heard(&c->private_drive, s->sent_us);
-    if (measures_round_trip(c, s, data[0])) {
-        roburoc4_link_round_trip(&c->private_link, s->ask.action == ROBUROC4_ACTION_QUERY,
-                                 s->sent_us, c->private_timer.now_us);
-    }
+    take_times(c, s, data[0]);
     if (bad) {
         count_up(c, ROBUROC4_COUNT_REFUSED);
     }

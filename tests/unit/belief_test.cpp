@@ -218,11 +218,44 @@ TEST_F(StopBelief, IsWatchedWhileWhatWasSentMayStillArrive) {
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 200 * ms));
     bench.stop();
     bench.run(6 * second);
-    ASSERT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome) << "it never had another target";
+    ASSERT_EQ(ROBUROC4_STOP_TIMED_OUT, bench.facts().stop_outcome);
     bench.drop_to_robot = nullptr;
     robot.target_linear = 1; /* the speed comes, the zeros do not */
     bench.run(60 * ms);
     EXPECT_EQ(0.0F, robot.target_linear);
+}
+
+TEST_F(StopBelief, IsNotConfirmedWhileItsZerosAreOnTheirWay) {
+    bench.armed();
+    std::vector<Bytes> queue;
+    bench.drop_to_robot = [&](const Bytes &bytes) {
+        queue.push_back(bytes);
+        return true;
+    };
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 200 * ms));
+    bench.take_events();
+    bench.pause();
+    bench.run(700 * ms);
+    EXPECT_EQ(0.0F, robot.target_linear) << "it never had another target";
+    EXPECT_EQ(ROBUROC4_STOP_RUNNING, bench.facts().stop_outcome);
+    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_STOPPED);
+    bench.drop_to_robot = nullptr;
+    for (const Bytes &bytes : queue)
+        robot.deliver(bytes);
+    bench.run(150 * ms);
+    EXPECT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOPPED);
+}
+
+TEST_F(StopBelief, IsConfirmedSoonWhereAllArrives) {
+    bench.armed();
+    for (int i = 0; i < 20; i++) {
+        ASSERT_NO_FATAL_FAILURE(
+            bench.driving(1, 0, second + static_cast<std::uint64_t>(i) * 7 * ms));
+        bench.pause();
+        bench.run(210 * ms);
+        ASSERT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome) << i;
+    }
 }
 
 TEST_F(StopBelief, IsWatchedThroughLeasesWithoutASpeed) {

@@ -491,11 +491,12 @@ TEST(Close, SendsItsZerosThenIsIdle) {
     EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_start(&bench.client, bench.client_us()));
     bench.run(400 * ms);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());
-    EXPECT_EQ(bench.commands(start_us).size(),
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOPPED);
+    EXPECT_EQ(bench.commands(start_us).size() + 1,
               static_cast<std::size_t>(
                   std::count_if(bench.sent.begin(), bench.sent.end(),
                                 [&](const Bench::Datagram &d) { return d.at_us >= start_us; })))
-        << "nothing else is sent";
+        << "one request shows that the zeros arrived, and nothing else is sent";
     EXPECT_TRUE(robot.seen(ROBUROC4_ACTION_DELETE).empty()) << "subscriptions are left alone";
     EXPECT_EQ(0.0F, robot.target_linear);
 }

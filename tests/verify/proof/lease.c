@@ -60,9 +60,9 @@ static bool stop_sequence_over(const drive *d, const roburoc4_config *config, ti
 static void end_stop_sequence(drive *d, uint32_t *events);
 /*@ assigns \nothing; */
 static uint32_t pause_us(const drive *d, const roburoc4_config *config);
-/*@ assigns d->zeros_sent, d->stop_us, t->wait_us; */
+/*@ assigns d->zeros_sent, d->stop_us, d->expected_us, t->wait_us; */
 static bool zero_due(drive *d, const roburoc4_config *config, timer *t);
-/*@ assigns d->changed, d->nonzero_sent, d->unconfirmed, d->in_flight, d->echo_due, d->echo_us,
+/*@ assigns d->changed, d->nonzero_sent, d->unconfirmed, d->in_flight, d->echo_due, d->expected_us,
             d->echo_low[0 .. 1], d->echo_high[0 .. 1]; */
 static void note_sent(drive *d, const float *speeds, uint32_t now_us);
 /*@ assigns speeds[0 .. 1]; */

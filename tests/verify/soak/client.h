@@ -22,6 +22,7 @@ struct Report {
     bool driving = false;
     bool stopping = false;
     bool override_known = false;
+    bool fixed_id = false;
     bool differential_known = false; /* and its properties */
     std::int32_t override_index = -1;
     std::int32_t disarm_cause = 0;

@@ -127,6 +127,27 @@ void always_relocalized(Report &report) {
         report.events |= ROBUROC4_EVENT_RELOCALIZED;
 }
 
+/** Answers what it requests itself, as the robot did before. */
+class AnswersItself : public Wrapper {
+    bool passes(Datagram &datagram, std::uint64_t) override {
+        const auto known = answers_.find(datagram.u16_at(2));
+        if (!is_command(datagram) && datagram.u8_at(1) == action_get && known != answers_.end()) {
+            own_.push_back(known->second);
+            own_.back().bytes[0] = datagram.bytes[0];
+        }
+        return true;
+    }
+    void change_received(Datagram &datagram, std::uint64_t now) override {
+        for (const Datagram &answer : own_)
+            RealClient::receive(answer, now);
+        own_.clear();
+        if (!is_status(datagram) && datagram.u8_at(1) == action_get)
+            answers_[datagram.u16_at(2)] = datagram;
+    }
+    std::map<std::uint16_t, Datagram> answers_;
+    std::vector<Datagram> own_;
+};
+
 class OnlyPauses : public Wrapper {
     std::int32_t stop(std::uint64_t now) override {
         return RealClient::pause(now);
@@ -615,6 +636,7 @@ const std::vector<Fault> &faults() {
         {Promise::pause_keeps_armed, "disarms at pause()", a<AlwaysStops>()},
         {Promise::lapse_disarms, "forgives a lapse", a<ForgivesLapses>()},
         {Promise::outcome_is_true, "takes every stop for confirmed", reporting(always_stopped)},
+        {Promise::outcome_is_true, "answers its own requests", a<AnswersItself>()},
         {Promise::stop_is_watched, "stops only once", a<StopsOnce>()},
         {Promise::stands_in_the_end, "stops only once", a<StopsOnce>()},
         {Promise::release_stops, "misses the release of [A]", a<MissesTheRelease>()},

@@ -116,7 +116,7 @@ void Path::send(const Datagram &datagram, std::uint64_t now_us) {
 }
 
 void Path::fly(const Datagram &datagram, std::uint64_t arrival_us) {
-    flights_.push_back({arrival_us, sent_++, datagram});
+    flights_.push_back({arrival_us, ++sent_, datagram});
     std::push_heap(flights_.begin(), flights_.end(), Later());
 }
 
@@ -126,9 +126,21 @@ std::uint64_t Path::next_arrival() const {
 
 Datagram Path::take() {
     std::pop_heap(flights_.begin(), flights_.end(), Later());
-    const Datagram datagram = flights_.back().datagram;
+    const Flight flight = flights_.back();
     flights_.pop_back();
-    return datagram;
+    newest_taken_ = std::max(newest_taken_, flight.number);
+    return flight.datagram;
+}
+
+std::uint64_t Path::oldest_speed_us() const {
+    std::uint64_t oldest = UINT64_MAX;
+    for (const Flight &flight : flights_) {
+        const Datagram &datagram = flight.datagram;
+        if (flight.number > newest_taken_ && is_command(datagram) && datagram.size == 11 &&
+            !command_speeds(datagram).zero())
+            oldest = std::min(oldest, datagram.origin.made_us);
+    }
+    return oldest;
 }
 
 } // namespace soak

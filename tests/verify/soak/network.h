@@ -55,6 +55,9 @@ class Path {
     std::uint64_t next_arrival() const;
     /** The datagram that arrives next. */
     Datagram take();
+    /** When the oldest speed in flight was sent that nothing sent later has overtaken; UINT64_MAX
+     * if there is none. */
+    std::uint64_t oldest_speed_us() const;
 
   private:
     struct Flight {
@@ -74,7 +77,7 @@ class Path {
     std::uint64_t weather_since_us_ = 0;
     std::uint64_t burst_until_us_ = 0;
     std::uint64_t last_arrival_us_[lane_count] = {};
-    std::uint64_t sent_ = 0;
+    std::uint64_t sent_ = 0, newest_taken_ = 0;
     std::vector<Flight> flights_; /* a heap: the next arrival first */
 };
 

@@ -62,6 +62,7 @@ struct Truth {
     std::uint64_t newest_heard_us = 0; /* what the robot received last: when it was sent */
     bool well = false; /* neither robot nor network have a fault, and nobody interferes */
     bool uplink_loses = false;
+    std::uint64_t oldest_speed_us = UINT64_MAX; /* on its way to the robot, when it was sent */
 };
 
 struct Violation {
@@ -152,7 +153,8 @@ class Oracle {
         std::uint64_t first_zero_us = 0, third_zero_us = 0, last_zero_us = 0;
         bool confirmed = false;     /* by a status made after the first zero, not under [A] */
         bool confirmed_old = false; /* by another one only */
-        std::uint64_t sure_us = 0;  /* when a status made well after the third zero arrived */
+        std::uint64_t answered_us = UINT64_MAX; /* a request that was sent after the first zero */
+        std::uint64_t sure_us = 0; /* when a status made well after that and the third arrived */
     };
     struct Newest {
         bool known = false;
@@ -207,7 +209,7 @@ class Oracle {
     void judge_stop_in_time(Moment now, const Report &report);
     void judge_feeding(Moment now);
     void judge_ages(Moment now, const Report &report);
-    void judge_outcome(Moment now, const Report &before);
+    void judge_outcome(Moment now, const Report &before, const Truth &truth);
     void judge_watch(Moment now);
     void judge_uplink(Moment now, const Truth &truth);
     void judge_standing(Moment now, const Truth &truth);

@@ -54,8 +54,11 @@ void Oracle::received(Moment now, const Datagram &datagram, std::int32_t result)
     const bool doubted = text && nameless && result == ROBUROC4_ERR_UNMATCHED;
     if (doubted)
         reach(Reached::doubled_literal_text);
-    if (!is_status(datagram))
+    if (!is_status(datagram)) {
         answer_delay_us_ = now.true_us - origin.made_us;
+        if (stop_.zeros > 0 && origin.asked_us > stop_.first_zero_us)
+            stop_.answered_us = std::min(stop_.answered_us, now.true_us);
+    }
     if ((result < 0 && result != ROBUROC4_ERR_ROBOT && !doubted) || origin.boot < required_boot_)
         return;
     switch (origin.kind) {
@@ -131,8 +134,9 @@ void Oracle::differential_status(Moment now, const Datagram &datagram) {
             stop_.confirmed = true;
         else
             stop_.confirmed_old = true;
-        if (stop_.zeros_since_known >= 3 && stop_.sure_us == 0 &&
-            made > stop_.third_zero_us + sure_after_us + report_.age_us[differential])
+        if (stop_.zeros_since_known >= 3 && stop_.sure_us == 0 && stop_.answered_us < made &&
+            made > std::max(stop_.third_zero_us, stop_.answered_us) + sure_after_us +
+                       report_.age_us[differential])
             stop_.sure_us = now.true_us;
     }
     watch_target(now, datagram);
@@ -407,7 +411,7 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
         last_of_start_.erase(last_of_start_.begin(), last_of_start_.lower_bound(boot_));
     judge_override_report(now, report);
     judge_ages(now, report);
-    judge_outcome(now, before);
+    judge_outcome(now, before, truth);
     judge_pose(now, report);
     /* closed before a robot was found again: no service is known that zeros could go to */
     if (report.state == ROBUROC4_STATE_IDLE && searching(before))
@@ -500,7 +504,7 @@ void Oracle::judge_ages(Moment now, const Report &report) {
     }
 }
 
-void Oracle::judge_outcome(Moment now, const Report &before) {
+void Oracle::judge_outcome(Moment now, const Report &before, const Truth &truth) {
     if (report_.stop_outcome != ROBUROC4_STOP_RUNNING)
         last_outcome_ = report_.stop_outcome;
     if (report_.stop_outcome != ROBUROC4_STOP_CONFIRMED)
@@ -513,6 +517,10 @@ void Oracle::judge_outcome(Moment now, const Report &before) {
                 std::string("the stop is reported as confirmed") +
                     ((report_.events & ROBUROC4_EVENT_STOPPED) != 0 ? ", " : " (no event), ") +
                     (overridden_ ? "but [A] is held" : "but no status shows it"));
+    /* where all answers have one id, none proves when its request arrived */
+    if (says && truth.oldest_speed_us < stop_.first_zero_us && !before.fixed_id)
+        violate(Promise::outcome_is_true, now.true_us,
+                "the stop is reported as confirmed, and a speed is still on its way");
 }
 
 void Oracle::judge_watch(Moment now) {

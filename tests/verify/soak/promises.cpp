@@ -61,7 +61,8 @@ const Text texts[] = {
     {Promise::lapse_disarms, "lapse-disarms",
      "A lease that expired and is not renewed for lapse_disarm_ms disarms."},
     {Promise::outcome_is_true, "outcome-is-true",
-     "A stop is reported as confirmed only by a status made after its zeros, and not under [A]."},
+     "A stop is reported as confirmed only by a status made after its zeros, not under [A], and "
+     "with no speed on its way."},
     {Promise::stop_is_watched, "stop-is-watched",
      "Zeros leave for as long as a fresh status shows a target of ours without a lease."},
     {Promise::release_stops, "release-stops",

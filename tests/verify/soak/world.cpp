@@ -208,6 +208,7 @@ Truth World::truth() const {
     truth.well = good(up) && good(to_client_.weather()) && !robot_.trouble().any() &&
                  !robot_.pad_a_held() && robot_.running(now_us_) && now_us_ >= others_until_us_;
     /* commands may be lost, and requests between them arrive */
+    truth.oldest_speed_us = to_robot_.oldest_speed_us();
     truth.uplink_loses = (up.loss > 0.05 || up.burst > 0 || up.reordering > 0) && !up.dark;
     return truth;
 }

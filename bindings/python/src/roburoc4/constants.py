@@ -190,9 +190,9 @@ class StopOutcome(IntEnum):
     RUNNING = 1
     """It has not ended."""
     CONFIRMED = 2
-    """A status that was made after it began shows targets of 0."""
+    """The zeros arrived, and a later status shows targets of 0."""
     TIMED_OUT = 3
-    """No such status arrived in time."""
+    """The robot did not show that in time."""
     OVERRIDDEN = 4
     """Somebody held [A] on the game pad, so the robot may have ignored the zeros."""
 
