@@ -106,6 +106,7 @@ void Oracle::status(Moment now, const Datagram &datagram) {
     ages_known_ = true;
     const std::uint64_t age = now.true_us - made;
     newest = {true, made, datagram.u64_at(3), now.client_us, age, datagram.origin.boot};
+    ages_known_of_[datagram.origin.index]++;
     const std::uint64_t crept = (now.true_us - unproven_since_us_) / 1000;
     if (unproven_us_ == UINT64_MAX || age <= unproven_us_ + crept) {
         unproven_us_ = age;
@@ -489,15 +490,18 @@ std::uint64_t Oracle::first_ages_us(Moment now) const {
 void Oracle::judge_ages(Moment now, const Report &report) {
     for (int service = 0; service < 5; service++) {
         const Newest &newest = newest_[service];
-        if (report.state != ROBUROC4_STATE_READY || report.age_us[service] == UINT32_MAX)
+        if (report.state != ROBUROC4_STATE_READY || report.age_us[service] == UINT32_MAX) {
             ages_since_us_[service] = now.true_us;
-        if (!newest.known || !ages_known_ || !ages_judged_ ||
-            ages_are_new(newest.made_us + newest.late_us, service)) /* when it was received */
+            ages_known_of_[service] = 0;
+        }
+        if (!newest.known || !ages_known_ || !ages_judged_)
             continue;
         if (newest.boot < judged_boot_) /* by the clock of a start that hides behind another's */
             continue;
         const std::uint64_t age = now.true_us - newest.made_us;
-        if (age > report.age_us[service] + tolerance_us(now))
+        const std::uint64_t received_us = newest.made_us + newest.late_us;
+        const bool first = ages_are_new(received_us, service) || ages_known_of_[service] <= 3;
+        if (age > report.age_us[service] + tolerance_us(now) + (first ? 200000 : 0))
             violate(Promise::ages_are_bounds, now.true_us,
                     "a status of service " + std::to_string(service) + " is " + ms_text(age) +
                         " old, and the client says at most " + ms_text(report.age_us[service]));
