@@ -153,6 +153,7 @@ class Oracle {
         std::uint64_t first_zero_us = 0, third_zero_us = 0, last_zero_us = 0;
         bool confirmed = false;     /* by a status made after the first zero, not under [A] */
         bool confirmed_old = false; /* by another one only */
+        bool nameless = false; /* the client was in fixed-id mode: no answer proves an arrival */
         std::uint64_t answered_us = UINT64_MAX; /* a request that was sent after the first zero */
         std::uint64_t sure_us = 0; /* when a status made well after that and the third arrived */
     };

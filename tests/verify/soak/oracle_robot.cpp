@@ -521,8 +521,8 @@ void Oracle::judge_outcome(Moment now, const Report &before, const Truth &truth)
                 std::string("the stop is reported as confirmed") +
                     ((report_.events & ROBUROC4_EVENT_STOPPED) != 0 ? ", " : " (no event), ") +
                     (overridden_ ? "but [A] is held" : "but no status shows it"));
-    /* where all answers have one id, none proves when its request arrived */
-    if (says && truth.oldest_speed_us < stop_.first_zero_us && !before.fixed_id)
+    stop_.nameless = stop_.nameless || before.fixed_id;
+    if (says && truth.oldest_speed_us < stop_.first_zero_us && !stop_.nameless)
         violate(Promise::outcome_is_true, now.true_us,
                 "the stop is reported as confirmed, and a speed is still on its way");
 }
