@@ -494,14 +494,14 @@ void Oracle::judge_ages(Moment now, const Report &report) {
             ages_since_us_[service] = now.true_us;
             ages_known_of_[service] = 0;
         }
-        if (!newest.known || !ages_known_ || !ages_judged_)
+        const std::uint64_t received_us = newest.made_us + newest.late_us;
+        if (!newest.known || !ages_known_ || !ages_judged_ || ages_known_of_[service] <= 3 ||
+            ages_are_new(received_us, service))
             continue;
         if (newest.boot < judged_boot_) /* by the clock of a start that hides behind another's */
             continue;
         const std::uint64_t age = now.true_us - newest.made_us;
-        const std::uint64_t received_us = newest.made_us + newest.late_us;
-        const bool first = ages_are_new(received_us, service) || ages_known_of_[service] <= 3;
-        if (age > report.age_us[service] + tolerance_us(now) + (first ? 200000 : 0))
+        if (age > report.age_us[service] + tolerance_us(now))
             violate(Promise::ages_are_bounds, now.true_us,
                     "a status of service " + std::to_string(service) + " is " + ms_text(age) +
                         " old, and the client says at most " + ms_text(report.age_us[service]));
