@@ -334,6 +334,8 @@ void Oracle::sent(Moment now, const Datagram &datagram) {
         known = known || ((may || zero) && robots_[i].differential_id == service);
         card = card || (may && robots_[i].iocard_id == service);
     }
+    /* what it knows of the services may be of two robots */
+    known = known || (zero && required_boot_ + 1 < robots_.size());
     if (card && service != 0 && outputs_allowed_ && datagram.size != 11) {
         request_sent(now, datagram);
         return;
