@@ -36,6 +36,7 @@ enum : std::uint32_t {
     release_unanswered,
     speeds_not_compared,
     late_uplink_ignored,
+    arrival_assumed,
 };
 
 std::uint32_t fault = no_fault;
@@ -88,6 +89,7 @@ const Fault faults[] = {
     {"nothing is sent when [A] is released", release},
     {"reported speeds are not compared with the target", follows},
     {"it stays armed when commands do not arrive", uplink},
+    {"a stop is confirmed though nothing shows that it arrived", belief},
 };
 const std::uint32_t fault_count = sizeof faults / sizeof *faults;
 
@@ -153,6 +155,10 @@ roburoc4_result Port::receive(std::uint8_t *datagram, std::size_t size, std::uin
     if (fault == speeds_not_compared && is_status(datagram, size, differential)) {
         std::memcpy(datagram + 15, datagram + 11, 4);
         std::memcpy(datagram + 23, datagram + 19, 4);
+    }
+    if (fault == arrival_assumed) {
+        client.private_drive.in_flight = 0;
+        client.private_drive.expected_us = client.private_drive.stop_us;
     }
     return roburoc4_client_receive(&client, datagram, size, now_us);
 }

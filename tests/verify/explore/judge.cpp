@@ -69,7 +69,8 @@ const char *promise_text(Promise promise) {
     case ending:
         return "a stop sequence ends by a confirmation or after the watchdog's time";
     case belief:
-        return "a stop is called confirmed only if the robot showed it, with [A] released";
+        return "a stop is called confirmed only if the robot showed it, with [A] released, and "
+               "answered since the first zero";
     case release:
         return "when [A] is released after an unconfirmed stop, a new stop sequence begins";
     case watched:
@@ -185,6 +186,11 @@ void Judge::differential_status(Speeds target, Speeds speed, std::uint64_t made_
     not_following_ = stuck ? static_cast<std::uint8_t>(not_following_ + (not_following_ < 100)) : 0;
 }
 
+void Judge::answered(std::uint64_t made_us) {
+    if (zero_after_us_ != 0 && made_us >= zero_after_us_)
+        on_its_way_ = 0;
+}
+
 /* -------------------------------------------------------------------------------- datagrams */
 
 void Judge::before_poll(std::uint64_t client_us, std::uint64_t true_us) {
@@ -215,6 +221,7 @@ void Judge::command(Speeds speeds, std::uint64_t client_us, std::uint64_t true_u
             zeros_ = 0;
             confirmed_ = 0;
             first_zero_true_us_ = true_us;
+            zero_after_us_ = on_its_way_ != 0 ? true_us : 0;
         }
         zeros_ = static_cast<std::uint8_t>(zeros_ + (zeros_ < 3));
         driven_ = wanted_ = 0;
@@ -232,7 +239,8 @@ void Judge::command(Speeds speeds, std::uint64_t client_us, std::uint64_t true_u
     driven_ = ever_driven_ = 1;
     driven_boot_ = differential_boot_;
     sent_ = speeds;
-    unconfirmed_ = 1;
+    unconfirmed_ = on_its_way_ = 1;
+    zero_after_us_ = 0;
 }
 
 void Judge::after_poll(const roburoc4_facts &facts, std::uint64_t client_us,
@@ -261,6 +269,8 @@ void Judge::forget() {
         unseen_us_ = 0;
     if (sequence_ == 0)
         first_zero_true_us_ = 0;
+    if (on_its_way_ == 0)
+        zero_after_us_ = 0;
 }
 
 void Judge::judge_driving(const roburoc4_facts &facts, std::uint64_t client_us,
@@ -306,12 +316,13 @@ void Judge::judge_sequence(const roburoc4_facts &facts, std::uint64_t client_us,
     if (sequence_ != 0 && facts.stopping == 0)
         end_sequence(true_us);
     if (ended_ != 0) {
-        require(confirmed_ != 0 || facts.stop_outcome != ROBUROC4_STOP_CONFIRMED, belief);
+        require((confirmed_ != 0 && arrived_ != 0) || facts.stop_outcome != ROBUROC4_STOP_CONFIRMED,
+                belief);
         const bool confirmed = facts.stop_outcome == ROBUROC4_STOP_CONFIRMED;
         (confirmed ? ended_confirmed_ : ended_unconfirmed_) = 1;
         if (confirmed)
             unconfirmed_ = 0;
-        ended_ = confirmed_ = 0;
+        ended_ = arrived_ = confirmed_ = 0;
     }
     if (watch_ != 0 && ready && facts.age_us[ROBUROC4_SERVICE_DIFFERENTIAL] <= fresh_us)
         require((sequence_ != 0 || wanted_ != 0) && facts.stopping != 0, watched);
@@ -323,6 +334,7 @@ void Judge::end_sequence(std::uint64_t true_us) {
     require(confirmed_ != 0 || since(first_zero_true_us_, true_us) >= watchdog_us, ending);
     sequence_ = zeros_ = 0;
     ended_ = 1;
+    arrived_ = on_its_way_ == 0 ? 1 : 0;
 }
 
 void Judge::take_events(std::uint32_t events_seen) {

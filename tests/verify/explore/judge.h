@@ -74,6 +74,8 @@ class Judge {
     void io_status(bool held, std::uint64_t made_us, std::uint8_t boot);
     void differential_status(Speeds target, Speeds speed, std::uint64_t made_us, std::uint8_t boot,
                              std::uint64_t true_us);
+    /** An answer that the client used: the robot made it then. */
+    void answered(std::uint64_t made_us);
     /* Datagrams between before_poll() and after_poll(). */
     void before_poll(std::uint64_t client_us, std::uint64_t true_us);
     void command(Speeds speeds, std::uint64_t client_us, std::uint64_t true_us);
@@ -109,11 +111,15 @@ class Judge {
     std::uint8_t driven_boot_ = 0, others_ = 0;
     std::uint8_t was_armed_ = 0, disarmed_event_due_ = 0, armed_event_due_ = 0;
     std::uint8_t ended_confirmed_ = 0, ended_unconfirmed_ = 0, ended_ = 0;
+    std::uint8_t arrived_ = 0; /* by the end of the sequence */
     std::uint8_t not_following_ = 0, unseen_ = 0;
+    std::uint8_t on_its_way_ =
+        0; /* a speed left, and nothing shows that the zero after it arrived */
     Speeds target_{}, sent_{}, speed_{};
     std::uint64_t now_us_ = 0;         /* of the latest call, by the client's clock */
     std::uint64_t clock_steps_us_ = 0; /* back, in all */
     std::uint64_t granted_us_ = 0, command_us_ = 0, unseen_us_ = 0;
+    std::uint64_t zero_after_us_ = 0; /* when that zero left, if it has */
     std::uint64_t first_zero_true_us_ = 0, command_true_us_ = 0, io_made_us_ = 0,
                   differential_made_us_ = 0;
 };

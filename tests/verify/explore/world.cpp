@@ -330,6 +330,8 @@ void World::client_receives(const Message &m) {
             result);
         if (result >= 0)
             judge_.differential_status(m.target, m.speed, m.made_us, m.boot, true_us_);
+    } else if (result >= 0) {
+        judge_.answered(m.made_us);
     }
 }
 
