@@ -8,6 +8,7 @@ extern "C" {
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
@@ -396,6 +397,12 @@ roburoc4_sim_state Robot::state() const {
     return state;
 }
 
+double Robot::control(uint32_t number) const {
+    double value = NAN;
+    roburoc4_sim_get(sim_, number, &value);
+    return value;
+}
+
 size_t Robot::zeros_at_the_end() const {
     size_t zeros = 0;
     while (zeros < commands.size() && commands[commands.size() - 1 - zeros].is_zero()) {
@@ -441,11 +448,12 @@ uint64_t roburoc4_udp_now_us(void) {
 }
 
 roburoc4_result roburoc4_os_resolve(const char *host, uint16_t port, roburoc4_address *out) {
-    if (std::strcmp(host, "robot") != 0) {
+    const bool local = std::strcmp(host, "localhost") == 0;
+    if (!local && std::strcmp(host, "robot") != 0) {
         return ROBUROC4_ERR_RESOLVE;
     }
     *out = roburoc4_address{};
-    out->ip[0] = 10;
+    out->ip[0] = local ? 127 : 10;
     out->ip[3] = 1;
     out->family = 4;
     out->port = port;

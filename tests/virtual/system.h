@@ -155,6 +155,8 @@ class Robot : public Host {
     void receive(uint64_t from, const Bytes &datagram) override;
     bool panel(const std::string &line);
     roburoc4_sim_state state() const;
+    /* NaN if there is none. */
+    double control(uint32_t number) const;
     std::vector<SpeedCommand> commands; /* also while it is silent */
     /* From now on it neither hears nor sends. */
     bool silent = false;

@@ -10,10 +10,12 @@
 #include <lcm/lcm.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <ctime>
 #include <regex>
+#include <tuple>
 
 #include "bot_core_pose_t.h"
 #include "roburoc4_lcm.h"
@@ -174,8 +176,8 @@ class Bridge : public testing::Test {
         }
         EXPECT_EQ(sys.sockets, 0);
     }
-    void start(std::vector<std::string> more = {}) {
-        arguments_ = {"roburoc4-lcm", "--robot",      "robot",       "--enable-drive",
+    void start(std::vector<std::string> more = {}, const char *robot = "robot") {
+        arguments_ = {"roburoc4-lcm", "--robot",      robot,         "--enable-drive",
                       "--quiet",      "--fleet-stop", "ALL_STOP_CMD"};
         arguments_.insert(arguments_.end(), more.begin(), more.end());
         bridge_ = std::make_unique<Thread>([this] {
@@ -187,6 +189,14 @@ class Bridge : public testing::Test {
         });
         sleep_ms(3000); /* connected, and the first commands may be taken */
         ASSERT_FALSE(bridge_->is_over());
+    }
+    /* In the place of the usual one. */
+    template <class Change> void use_robot(Change change) {
+        roburoc4_sim_config config;
+        ASSERT_EQ(roburoc4_sim_config_init(&config, sizeof config), ROBUROC4_OK);
+        change(config);
+        robot_.reset();
+        robot_ = std::make_unique<Robot>(60000, &config);
     }
     void end(int number) {
         bridge_signal(number);
@@ -207,14 +217,23 @@ class Bridge : public testing::Test {
                   static_cast<int>(bytes.size()));
         bus.unread.push_back({sys.now_us, channel, bytes});
     }
-    void drive(double linear_m_s, int32_t lease_us = 0, const char *sender = "planner") {
-        roburoc4_lcm_drive_command_t command{};
+    using Drive = roburoc4_lcm_drive_command_t;
+    using Move = roburoc4_lcm_move_command_t;
+#define KIND(name) ROBUROC4_LCM_MOVE_COMMAND_T_KIND_##name
+    /* A command of zeros, but for what `change` sets. */
+    template <class Change> void drive_as(Change change) {
+        Drive command{};
         command.utime = next_utime();
-        command.sender = const_cast<char *>(sender);
-        command.linear_m_s = linear_m_s;
-        command.lease_us = lease_us;
+        command.sender = const_cast<char *>("planner");
+        change(command);
         give("ROBUROC4_DRIVE_CMD", command, roburoc4_lcm_drive_command_t_encoded_size,
              roburoc4_lcm_drive_command_t_encode);
+    }
+    void drive(double linear_m_s, int32_t lease_us = 0) {
+        drive_as([=](Drive &command) {
+            command.linear_m_s = linear_m_s;
+            command.lease_us = lease_us;
+        });
     }
     void stream(double linear_m_s, uint64_t for_ms) {
         for (uint64_t ms = 0; ms < for_ms; ms += 50) {
@@ -222,32 +241,71 @@ class Bridge : public testing::Test {
             sleep_ms(50);
         }
     }
-    void move_by(double distance_m, int64_t id, int32_t lease_us = 0, double clearance_m = 0,
-                 const char *sender = "planner") {
-        roburoc4_lcm_move_command_t command{};
+    template <class Change> void move_as(Change change) {
+        Move command{};
         command.utime = next_utime();
-        command.sender = const_cast<char *>(sender);
-        command.move_id = id;
-        command.kind = ROBUROC4_LCM_MOVE_COMMAND_T_KIND_BY;
-        command.distance_m = distance_m;
-        command.lease_us = lease_us;
-        command.clearance_m = clearance_m;
+        command.sender = const_cast<char *>("planner");
+        change(command);
         give("ROBUROC4_MOVE_CMD", command, roburoc4_lcm_move_command_t_encoded_size,
              roburoc4_lcm_move_command_t_encode);
     }
-    static int32_t last_move_result() {
-        int32_t result = -1;
-        for (const Message &message : bus.published) {
-            roburoc4_lcm_move_status_t status{};
-            if (message.channel == "ROBUROC4_MOVE_STATUS" &&
-                roburoc4_lcm_move_status_t_decode(message.bytes.data(), 0,
-                                                  static_cast<int>(message.bytes.size()),
-                                                  &status) >= 0) {
-                result = status.result;
-                roburoc4_lcm_move_status_t_decode_cleanup(&status);
-            }
+    void move_by(double distance_m, int64_t id, int32_t lease_us = 0, double clearance_m = 0,
+                 const char *sender = "planner") {
+        move_as([=](Move &command) {
+            command.sender = const_cast<char *>(sender);
+            command.move_id = id;
+            command.distance_m = distance_m;
+            command.lease_us = lease_us;
+            command.clearance_m = clearance_m;
+        });
+    }
+    /* The last message that was published on this channel. */
+    template <class Message>
+    static std::shared_ptr<Message> last(const char *channel,
+                                         int (*decode)(const void *, int, int, Message *),
+                                         int (*cleanup)(Message *)) {
+        const auto found =
+            std::find_if(bus.published.rbegin(), bus.published.rend(),
+                         [=](const auto &message) { return message.channel == channel; });
+        auto out = std::make_unique<Message>();
+        if (found == bus.published.rend() ||
+            decode(found->bytes.data(), 0, static_cast<int>(found->bytes.size()), out.get()) < 0) {
+            ADD_FAILURE() << "nothing on " << channel;
+            return std::make_shared<Message>();
         }
-        return result;
+        return {out.release(), [=](Message *message) {
+                    cleanup(message);
+                    delete message;
+                }};
+    }
+#define LAST(type, channel)                                                                        \
+    last<roburoc4_lcm_##type##_t>(channel, roburoc4_lcm_##type##_t_decode,                         \
+                                  roburoc4_lcm_##type##_t_decode_cleanup)
+    static auto state(const char *channel = "ROBUROC4_BRIDGE_STATE") {
+        return LAST(bridge_state, channel);
+    }
+    static auto statistics() {
+        return LAST(bridge_statistics, "ROBUROC4_BRIDGE_STATISTICS");
+    }
+    static int32_t last_move_result() {
+        return LAST(move_status, "ROBUROC4_MOVE_STATUS")->result;
+    }
+#define FAULT(name) ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_##name
+    static bool has_fault(int32_t fault) {
+        return (state()->faults & fault) != 0;
+    }
+    /* Until just after the state was published, so that the next one would be 200 ms later. */
+    static void await_state() {
+        const size_t states = times_of("ROBUROC4_BRIDGE_STATE").size();
+        EXPECT_TRUE(
+            eventually(kSecond, [=] { return times_of("ROBUROC4_BRIDGE_STATE").size() > states; }));
+    }
+    static size_t lines_with(const std::string &log, const std::string &part) {
+        size_t count = 0;
+        for (size_t at = log.find(part); at != std::string::npos; at = log.find(part, at + 1)) {
+            count++;
+        }
+        return count;
     }
     static void stop(const char *channel = "ROBUROC4_STOP_CMD") {
         roburoc4_lcm_stop_command_t command{const_cast<char *>("operator")};
@@ -301,6 +359,7 @@ TEST_F(Bridge, ASignalStopsTheRobotAtOnceAndEndsTheBridge) {
         bridge_->join();
         EXPECT_EQ(status_, 0);
         EXPECT_LE(sys.now_us, asked_us + 200 * kMs) << "the robot has confirmed";
+        EXPECT_EQ(state()->state, ROBUROC4_STATE_IDLE) << "the last state is the end";
         sleep_ms(1);
         expect_stopped_at(asked_us);
         robot_->commands.clear();
@@ -382,14 +441,23 @@ TEST_F(Bridge, ALeaseRunsWhileTheBridgeHangsAlsoWhereAgesAreNotChecked) {
     stream(0.3, 500);
     sleep_ms(600);
     const uint64_t rests_us = sys.now_us;
-    at(rests_us + 10 * kMs, [this] { drive(0.4, 60000); });
+    at(rests_us + 10 * kMs, [this] {
+        drive_as([](Drive &command) {
+            command.sender = const_cast<char *>("without a clock");
+            command.utime = 1;
+            command.linear_m_s = 0.4;
+            command.lease_us = 60000;
+        });
+    });
     stall_ms(230); /* longer than its longest wait, and short enough for the client */
     sleep_ms(400);
+    EXPECT_STREQ(state()->rejected_message, "its lease ended before it could be read");
     EXPECT_LE(robot_->last_speed_us(), rests_us);
     sleep_ms(600);
     drive(0.4);
     sleep_ms(100);
     EXPECT_GT(robot_->last_speed_us(), rests_us);
+    EXPECT_EQ(statistics()->rejected_too_old, 1);
 }
 
 TEST_F(Bridge, TheTimeInWhichItHungIsNoPause) {
@@ -456,31 +524,257 @@ TEST_F(Bridge, AnLcmThatCannotBeReadIsTriedOnceASecond) {
     EXPECT_GT(robot_->last_speed_us(), broke_us + 10 * kSecond);
 }
 
+TEST_F(Bridge, ASocketThatBrokeAtRestNeedsAPauseToo) {
+    start();
+    sleep_ms(777);
+    sys.receives = {ROBUROC4_OS_BROKEN};
+    const size_t connects = sys.connects_us.size();
+    ASSERT_TRUE(eventually(kSecond, [] { return sys.receives.empty(); }));
+    const uint64_t broke_us = sys.now_us;
+    sleep_ms(100);
+    EXPECT_TRUE(has_fault(FAULT(SOCKET)));
+    EXPECT_TRUE(state()->waiting);
+    sleep_ms(230);
+    stop(); /* so that no state is due when the second is over */
+    sleep_ms(2000);
+    EXPECT_FALSE(has_fault(FAULT(SOCKET)));
+    ASSERT_EQ(sys.connects_us.size(), connects + 1);
+    EXPECT_NEAR(static_cast<double>(sys.connects_us.back() - broke_us), 1e6, 1000);
+}
+
+TEST_F(Bridge, ASystemWithoutSocketsIsLoggedOnceAndAskedOnceASecond) {
+    sys.connect_fault = ROBUROC4_FAULT_OTHER;
+    testing::internal::CaptureStderr();
+    start({"--verbose"});
+    sys.connect_fault = ROBUROC4_FAULT_NONE;
+    sleep_ms(2000);
+    for (size_t at = 1; at < sys.connects_us.size(); at++) {
+        const uint64_t between_us = sys.connects_us[at] - sys.connects_us[at - 1];
+        EXPECT_NEAR(static_cast<double>(between_us), 1e6, 1000);
+    }
+    EXPECT_EQ(sys.connects_us.size(), 4u);
+    const std::string log = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(lines_with(log, "no socket for 10.0.0.1:60000: "), 1u) << log;
+    EXPECT_EQ(lines_with(log, "its socket works again"), 1u) << log;
+    EXPECT_EQ(lines_with(log, "no answer from 10.0.0.1:60000 yet"), 1u) << log;
+    EXPECT_EQ(state()->state, ROBUROC4_STATE_READY);
+}
+
+TEST_F(Bridge, StatusesThatWaitDoNotDelayAStop) {
+    start({"--period-ms", "iocard=10", "--period-ms", "differential=10"});
+    const uint64_t lease_us = sys.now_us + 200 * kMs;
+    drive(0.3, 200000);
+    sleep_ms(130);
+    stall_ms(60);
+    sys.receive_takes_us = 4000; /* in all, until long after the lease */
+    sleep_ms(1);
+    EXPECT_GE(sys.now_us, lease_us + 30 * kMs);
+    const auto first_zero = std::find_if(sys.sent.begin(), sys.sent.end(), [](const auto &bytes) {
+        roburoc4_differential_command command;
+        return roburoc4_decode_differential_command(bytes.data(), bytes.size(), &command) == 0 &&
+               command.service == ROBUROC4_SERVICE_DIFFERENTIAL && command.linear_m_s == 0;
+    });
+    ASSERT_NE(first_zero, sys.sent.end());
+    EXPECT_LE(sys.sent_us[static_cast<size_t>(first_zero - sys.sent.begin())],
+              lease_us + sys.receive_takes_us);
+    sys.receive_takes_us = 0;
+}
+
 TEST_F(Bridge, PublishesItsStateFiveTimesASecondAndStatisticsOnce) {
     start();
     bus.published.clear();
-    const uint64_t began_us = sys.now_us;
     sleep_ms(10000);
     EXPECT_NEAR(static_cast<double>(times_of("ROBUROC4_BRIDGE_STATE").size()), 50, 1);
     EXPECT_NEAR(static_cast<double>(times_of("ROBUROC4_BRIDGE_STATISTICS").size()), 10, 1);
+    EXPECT_NEAR(static_cast<double>(times_of("ROBUROC4_PROPERTIES").size()), 10, 1);
     EXPECT_NEAR(static_cast<double>(times_of("ROBUROC4_DIFFERENTIAL").size()), 200, 2);
     EXPECT_NEAR(static_cast<double>(times_of("ROBUROC4_IOCARD").size()), 200, 2);
+}
+
+TEST_F(Bridge, AChangeIsPublishedSoon) {
+    start();
+    await_state();
     stop();
     sleep_ms(60);
-    EXPECT_LE(sys.now_us - times_of("ROBUROC4_BRIDGE_STATE").back(), 60 * kMs)
-        << "after a change, sooner";
-    (void)began_us;
+    EXPECT_TRUE(state()->stopped);
+    await_state();
+    ASSERT_TRUE(robot_->panel("pad a down"));
+    sleep_ms(110); /* its status came, and 50 ms */
+    EXPECT_TRUE(state()->overridden);
+    sleep_ms(1000);
+    drive(0.3);
+    sleep_ms(60);
+    EXPECT_EQ(std::string(state()->rejected_message).find("the robot cannot be armed: "), 0u);
+}
+
+/* --------------------------------------------------------------------- commands, by their kinds */
+
+TEST_F(Bridge, ARejectedCommandIsCountedAndItsRemedyIsPublishedSoon) {
+    start({"--allow-sender", "planner*"});
+    using Count = int64_t roburoc4_lcm_bridge_statistics_t::*;
+    using Counts = roburoc4_lcm_bridge_statistics_t;
+    const std::string long_name = "planner" + std::string(57, 'x');
+    const struct {
+        std::function<void(Drive &)> drive;
+        std::function<void(Move &)> move;
+        Count count;
+        const char *message;
+    } cases[] = {
+        {[](Drive &c) { c.utime /= 1000000; }, {}, &Counts::rejected_too_old, "its utime is not "},
+        {[](Drive &c) { c.utime *= 1000; }, {}, &Counts::rejected_in_future, "its utime is not of"},
+        {[](Drive &c) { c.utime -= 1000000; }, {}, &Counts::rejected_too_old, "by its utime it is"},
+        {[](Drive &c) { c.sender = const_cast<char *>("x"); },
+         {},
+         &Counts::rejected_sender,
+         "only senders planner* are obeyed (--allow-sender)"},
+        {[&](Drive &c) { c.sender = const_cast<char *>(long_name.c_str()); },
+         {},
+         &Counts::rejected_sender,
+         "its sender is empty or longer than 63 bytes"},
+        {[](Drive &c) { c.angular_rad_s = 57; }, {}, &Counts::rejected_units, "it is faster than"},
+        {{}, [](Move &c) { c.kind = 9; }, &Counts::rejected_impossible, "there is no such move"},
+        {{}, [](Move &c) { c.angle_rad = 90; }, &Counts::rejected_units, "angles are in radians"},
+    };
+    for (const auto &each : cases) {
+        sleep_ms(6000); /* each is logged */
+        await_state();
+        const int64_t before = statistics().get()->*each.count;
+        each.drive ? drive_as(each.drive) : move_as(each.move);
+        sleep_ms(60);
+        EXPECT_EQ(std::string(state()->rejected_message).find(each.message), 0u)
+            << state()->rejected_message << "\n"
+            << each.message;
+        EXPECT_EQ(statistics().get()->*each.count, before + 1) << each.message;
+    }
+    EXPECT_EQ(statistics()->accepted_drive, 0);
+    EXPECT_TRUE(robot_->commands.empty());
+}
+
+TEST_F(Bridge, OfWhatIsNoCommandTheLogNamesTheChannel) {
+    testing::internal::CaptureStderr();
+    start({"--verbose"});
+    for (const char *channel : {"ROBUROC4_MOVE_CMD", "ROBUROC4_DRIVE_CMD", "ROBUROC4_STOP_CMD"}) {
+        bus.unread.push_back({sys.now_us, channel, Bytes(9)});
+        sleep_ms(100);
+    }
+    const std::string log = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(lines_with(log, "no answer"), 0u) << "it came within a second";
+    EXPECT_EQ(lines_with(log, "move command on 'ROBUROC4_MOVE_CMD' rejected"), 1u) << log;
+    EXPECT_EQ(lines_with(log, "drive command on 'ROBUROC4_DRIVE_CMD' rejected"), 1u) << log;
+    EXPECT_EQ(lines_with(log, "stopped by a stop command without a sender"), 1u) << log;
+}
+
+TEST_F(Bridge, CommandsThatWereReducedOrReplacedAreCounted) {
+    start({"--max-linear", "5"}); /* the robot: 2.6 and 6.5 */
+    int64_t clamped = 0;
+    for (const auto &[linear, angular, reduced] : {std::tuple{0.3, 1.4, 0},
+                                                   {-0.3, -1.4, 0},
+                                                   {2.7, 0.0, 1},
+                                                   {-2.7, 0.0, 1},
+                                                   {0.0, 1.6, 1},
+                                                   {0.0, -1.6, 1}}) {
+        const double linear_m_s = linear, angular_rad_s = angular;
+        drive_as([=](Drive &command) {
+            command.linear_m_s = linear_m_s;
+            command.angular_rad_s = angular_rad_s;
+        });
+        sleep_ms(1100);
+        clamped += reduced;
+        EXPECT_EQ(statistics()->clamped, clamped) << linear << " " << angular;
+    }
+    drive(0.3, 60000);
+    drive(0.2, 200000);
+    const uint64_t sent_us = sys.now_us;
+    sleep_ms(1100);
+    EXPECT_EQ(statistics()->superseded, 1);
+    EXPECT_EQ(statistics()->accepted_drive, 7);
+    EXPECT_GE(robot_->last_speed_us(), sent_us + 100 * kMs);
+}
+
+TEST_F(Bridge, ARelocalizationSetsThePose) {
+    start({"--enable-relocalize"});
+    roburoc4_lcm_relocalize_command_t command{next_utime(), const_cast<char *>("planner"), 1, 2, 3};
+    give("ROBUROC4_RELOCALIZE_CMD", command, roburoc4_lcm_relocalize_command_t_encoded_size,
+         roburoc4_lcm_relocalize_command_t_encode);
+    sleep_ms(1100);
+    EXPECT_NEAR(robot_->state().odometry_x_m, 1, 1e-6);
+    EXPECT_NEAR(robot_->state().odometry_y_m, 2, 1e-6);
+    EXPECT_NEAR(robot_->state().odometry_theta_rad, 3, 1e-6);
+    EXPECT_EQ(statistics()->accepted_relocalize, 1);
+}
+
+TEST_F(Bridge, AMoveGoesWhereItSaysAndNoFaster) {
+    start();
+    const struct {
+        int32_t kind;
+        double distance_m, angle_rad, x_m, y_m, theta_rad, linear_m_s, angular_rad_s;
+        double end_x_m, end_y_m, end_theta_rad, fastest_m_s, fastest_rad_s;
+    } cases[] = {
+        {KIND(BY), 1, 0, 9, 9, 9, 0.2, 0, 1, 0, 0, 0.2, 0},
+        {KIND(BY), 0, -1.5, 9, 9, 9, 0, 0.4, 1, 0, -1.5, 0, 0.4},
+        {KIND(TO_POINT), 9, 9, 2, 1, 9, 0, 0, 2, 1, 0.785, 0.3, 0.5},
+        {KIND(TO_POSE), 9, 9, 1, 2, 0, 0, 0, 1, 2, 0, 0.3, 0.5},
+    };
+    for (const auto &each : cases) {
+        robot_->commands.clear();
+        for (int i = 0; i < 400 && (i < 5 || last_move_result() == ROBUROC4_MOVE_RUNNING); i++) {
+            move_as([&](Move &command) {
+                command.move_id = &each - cases;
+                command.kind = each.kind;
+                command.distance_m = each.distance_m;
+                command.angle_rad = each.angle_rad;
+                command.x_m = each.x_m;
+                command.y_m = each.y_m;
+                command.theta_rad = each.theta_rad;
+                command.linear_m_s = each.linear_m_s;
+                command.angular_rad_s = each.angular_rad_s;
+            });
+            sleep_ms(50);
+        }
+        EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_REACHED);
+        sleep_ms(1000);
+        EXPECT_NEAR(robot_->state().odometry_x_m, each.end_x_m, 0.05);
+        EXPECT_NEAR(robot_->state().odometry_y_m, each.end_y_m, 0.05);
+        EXPECT_NEAR(robot_->state().odometry_theta_rad, each.end_theta_rad, 0.1);
+        double fastest_m_s = 0, fastest_rad_s = 0;
+        for (const SpeedCommand &command : robot_->commands) {
+            fastest_m_s = std::max<double>(fastest_m_s, std::abs(command.linear_m_s));
+            fastest_rad_s = std::max<double>(fastest_rad_s, std::abs(command.angular_rad_s));
+        }
+        EXPECT_NEAR(fastest_m_s, each.fastest_m_s, 0.01);
+        EXPECT_NEAR(fastest_rad_s, each.fastest_rad_s, 0.05);
+    }
 }
 
 TEST_F(Bridge, AMoveThatIsNotRenewedEndsWithItsLease) {
     start();
     const uint64_t sent_us = sys.now_us;
     move_by(5, 7, 250000);
-    sleep_ms(1000);
+    sleep_ms(100);
+    stall_ms(60);
+    sleep_ms(840);
     EXPECT_GE(robot_->speeds(), 3u);
+    EXPECT_LE(robot_->commands.size(), 1 + robot_->speeds() + robot_->zeros_at_the_end())
+        << "without a break, besides a zero to begin with";
     EXPECT_GE(robot_->last_speed_us(), sent_us + 150 * kMs);
     expect_stopped_at(sent_us + 271 * kMs); /* the shortest lease more */
     EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_LAPSED);
+    sleep_ms(1000);
+    EXPECT_NEAR(static_cast<double>(times_of("ROBUROC4_MOVE_STATUS").back() - sent_us), 1.15e6, 1e5)
+        << "published for a second more";
+}
+
+TEST_F(Bridge, TheEndOfTheBridgeCancelsAMove) {
+    for (const uint64_t after_ms : {1u, 250u}) {
+        bus = Bus();
+        bridge_forget();
+        start();
+        move_by(5, 7);
+        sleep_ms(after_ms);
+        end(SIGTERM);
+        bridge_->join();
+        EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_CANCELLED) << after_ms;
+    }
 }
 
 TEST_F(Bridge, AStopThatIsReadWithACommandWins) {
@@ -536,27 +830,104 @@ TEST_F(Bridge, AMoveKeepsTheClearanceThatItAsksForAndNoneWhereThatIsZero) {
 }
 
 TEST_F(Bridge, OutputsAreSetTogetherOrNotAtAll) {
+    use_robot([](roburoc4_sim_config &config) { config.analog_outputs = 2; });
     start({"--enable-outputs"});
-    const auto commands = [] {
-        return std::count_if(sys.sent.begin(), sys.sent.end(),
-                             [](const Bytes &bytes) { return bytes[0] == 0xFF; });
-    };
-    roburoc4_lcm_output_command_t command{};
-    int32_t digital_index = 3, analog_index = 0; /* of a card without analog outputs */
-    int8_t digital_on = 1;
-    float analog_value = 1;
-    command.sender = const_cast<char *>("planner");
-    command.digital_count = command.analog_count = 1;
-    command.digital_index = &digital_index;
-    command.digital_on = &digital_on;
-    command.analog_index = &analog_index;
-    command.analog_value = &analog_value;
-    for (command.analog_count = 1; command.analog_count >= 0; command.analog_count--) {
-        command.utime = utime();
+    const struct {
+        int32_t digital, analog;
+        int8_t on;
+        double output, voltage; /* then, of digital 3 and analog 1 */
+    } cases[] = {{3, 2, 1, 0, 0},   {3, -1, 1, 0, 0},  {64, 1, 1, 0, 0},  {-1, 1, 1, 0, 0},
+                 {3, 1, 1, 1, 1.5}, {3, 1, 0, 0, 1.5}, {64, 1, 1, 0, 1.5}};
+    int64_t accepted = 0;
+    for (const auto &each : cases) {
+        roburoc4_lcm_output_command_t command{};
+        int32_t digital = each.digital, analog = each.analog;
+        int8_t on = each.on;
+        float voltage = 1.5;
+        command.utime = next_utime();
+        command.sender = const_cast<char *>("planner");
+        command.digital_count = command.analog_count = 1;
+        command.digital_index = &digital;
+        command.digital_on = &on;
+        command.analog_index = &analog;
+        command.analog_value = &voltage;
         give("ROBUROC4_OUTPUT_CMD", command, roburoc4_lcm_output_command_t_encoded_size,
              roburoc4_lcm_output_command_t_encode);
-        sleep_ms(300);
-        EXPECT_EQ(commands(), command.analog_count == 0 ? 3 : 0);
+        sleep_ms(1100);
+        accepted += each.digital == 3 && each.analog == 1;
+        EXPECT_EQ(robot_->control(ROBUROC4_SIM_DIGITAL_OUTPUT + 3), each.output);
+        EXPECT_EQ(robot_->control(ROBUROC4_SIM_ANALOG_OUTPUT + 1), each.voltage);
+        EXPECT_EQ(statistics()->accepted_output, accepted);
+        EXPECT_EQ(statistics()->rejected_impossible, &each - cases + 1 - accepted);
+    }
+}
+
+/* -------------------------------------------------------------------------- robots and bridges */
+
+TEST_F(Bridge, NothingIsKeptOfARobotThatAnotherReplaced) {
+    use_robot([](roburoc4_sim_config &config) { config.texts = ROBUROC4_SIM_TEXTS_REORDERED; });
+    start();
+    const auto names = [] {
+        const auto status = LAST(iocard_status, "ROBUROC4_IOCARD");
+        return std::vector<std::string>(status->analog_input_names,
+                                        status->analog_input_names + status->analog_input_count);
+    };
+    const auto telemeters = LAST(telemeter_status, "ROBUROC4_TELEMETER");
+    ASSERT_EQ(telemeters->count, 2);
+    EXPECT_GT(telemeters->telemeters[0].x_m, 0);
+    EXPECT_LT(telemeters->telemeters[1].x_m, 0);
+    EXPECT_EQ(names().front(), "voltage, Front telemeter");
+    ASSERT_TRUE(robot_->panel("family 1")); /* another robot, which refuses to name anything */
+    sleep_ms(6000);
+    for (const std::string &name : names()) {
+        EXPECT_EQ(name, "");
+    }
+}
+
+TEST_F(Bridge, AnotherBridgeOfThisRobotOrOnItsChannelsIsNoticedUntilItIsGone) {
+    for (const auto &[host, max_age_ms] : {std::pair{"robot", "200"}, {"localhost", "0"}}) {
+        bus = Bus();
+        bridge_forget();
+        start({"--max-age-ms", max_age_ms}, host);
+        const std::string own = state()->bridge;
+        const std::string here = own.substr(0, own.find(' ')) + " 1", there = "elsewhere 1";
+        const std::string address = state()->robot;
+        const bool local = host[0] == 'l', any_age = local;
+        const struct {
+            std::string channel, robot, bridge;
+            int64_t age_ms;
+            bool noticed;
+        } cases[] = {
+            {"OTHER_BRIDGE_STATE", address, there, 0, !local},
+            {"OTHER_BRIDGE_STATE", address, here, 0, true},
+            {"ROBUROC4_BRIDGE_STATE", "10.0.0.9:60000", there, 0, true},
+            {"OTHER_BRIDGE_STATE", "10.0.0.9:60000", here, 0, false},
+            {"OTHER_BRIDGE_STATE", address, own, 0, false}, /* itself */
+            {"OTHER_BRIDGE_STATE", address, here, 2100, true},
+            {"OTHER_BRIDGE_STATE", address, here, 2300, any_age},
+            {"OTHER_BRIDGE_STATE", address, here, -2100, true},
+            {"OTHER_BRIDGE_STATE", address, here, -2300, any_age},
+        };
+        for (const auto &each : cases) {
+            const auto seen = state();
+            auto other = *seen;
+            other.utime = utime() - each.age_ms * 1000;
+            other.robot = const_cast<char *>(each.robot.c_str());
+            other.bridge = const_cast<char *>(each.bridge.c_str());
+            testing::internal::CaptureStderr();
+            give(each.channel.c_str(), other, roburoc4_lcm_bridge_state_t_encoded_size,
+                 roburoc4_lcm_bridge_state_t_encode);
+            sleep_ms(60);
+            EXPECT_EQ(has_fault(FAULT(OTHER_BRIDGE)), each.noticed) << &each - cases;
+            sleep_ms(1900);
+            EXPECT_EQ(has_fault(FAULT(OTHER_BRIDGE)), each.noticed) << &each - cases;
+            sleep_ms(300);
+            EXPECT_FALSE(has_fault(FAULT(OTHER_BRIDGE)));
+            const std::string log = testing::internal::GetCapturedStderr();
+            EXPECT_EQ(lines_with(log, "another bridge ("), each.noticed ? 1u : 0u) << log;
+        }
+        end(SIGTERM);
+        bridge_->join();
     }
 }
 
