@@ -641,6 +641,8 @@ void robot_start(robot *robot, uint32_t number, const options_robot *settings, l
     spread(&robot->statistics, STATISTICS_PERIOD_US, robot, now.us);
     spread(&robot->properties, PROPERTIES_PERIOD_US, robot, now.us);
     start_client(robot, &settings->config, now.us);
+    /* Else its first event would have all states published at once. */
+    (void)roburoc4_client_take_events(&robot->client);
     gate_init(&robot->gate, &settings->rules, now);
     open_socket(robot, now.us);
 }

@@ -607,6 +607,23 @@ TEST_F(Bridge, AChangeIsPublishedSoon) {
     EXPECT_EQ(std::string(state()->rejected_message).find("the robot cannot be armed: "), 0u);
 }
 
+TEST_F(Bridge, RobotsThatStartTogetherPublishAtDifferentTimes) {
+    std::vector<std::string> others;
+    for (int robot = 0; robot < 50; robot++) {
+        others.insert(others.end(), {"-r", "R" + std::to_string(robot) + "=unknown"});
+    }
+    testing::internal::CaptureStderr();
+    start(others, "A=robot");
+    const std::string log = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(lines_with(log, "the name unknown has no address"), 50u) << log;
+    std::set<uint64_t> times;
+    for (int robot = 0; robot < 50; robot++) {
+        times.insert(times_of("R" + std::to_string(robot) + "_BRIDGE_STATE").back());
+    }
+    EXPECT_GE(times.size(), 9u) << "200 us each, and it waits in milliseconds";
+    EXPECT_EQ(state("A_BRIDGE_STATE")->state, ROBUROC4_STATE_READY);
+}
+
 /* --------------------------------------------------------------------- commands, by their kinds */
 
 TEST_F(Bridge, ARejectedCommandIsCountedAndItsRemedyIsPublishedSoon) {
