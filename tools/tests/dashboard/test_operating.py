@@ -520,11 +520,19 @@ def test_a_recording_that_is_replayed_says_so(tmp_path: Path) -> None:
             replaying.terminate()
 
 
+def replays(here: Station) -> None:
+    """From the next look at the robot's properties on, they are those of a recording."""
+    frames = here.hub._frames
+    describe = frames._describe
+    frames._describe = lambda: describe() | {"recorded": True}  # type: ignore[method-assign]
+    frames._about_old = True
+
+
 def test_the_page_says_what_it_shows(station: Make, visit: Visit) -> None:
     here = station(enable_drive=False)
     page = visit(here.url)
     expect(page.locator("#kind")).to_have_text("real")
-    here.hub._frames._about |= {"recorded": True}
+    replays(here)
     page.reload()
     expect(page.locator("#kind")).to_have_text("replayed")
 
@@ -533,7 +541,7 @@ def test_a_recording_cannot_be_armed_and_asks_for_no_remedy(station: Make, visit
     here = station()
     page = visit(here.url)
     ready(page)
-    here.hub._frames._about |= {"recorded": True}
+    replays(here)
     page.reload()
     ready(page)
     expect(page.locator("#drive-why")).to_contain_text("A recording is replayed")
