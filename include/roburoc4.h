@@ -305,12 +305,13 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
 
 /** Allow driving. Returns 0, or the first reason against it: ROBUROC4_ERR_NOT_READY,
  *  _NO_DIFFERENTIAL, _LIMITS, _NOT_SUBSCRIBED, _STALE_DIFFERENTIAL, _STALE_IOCARD,
- * _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER, _MOVING. While armed, the client disarms itself
- * as soon as one of these reasons except _MOVING applies, when the robot does not follow its speeds
- * (_INHIBITED), when commands reach it late (_UPLINK), and lapse_disarm_ms after a lease expired
- * (_LAPSED). Arming an armed client is fine. A ready client may not be armable yet, as the first
- * statuses come later: ROBUROC4_EVENT_ARMABLE is raised whenever arming becomes possible;
- *  roburoc4_pump_arm() waits for it. */
+ * _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER, _UPLINK (it disarmed for this reason, and the
+ * robot has answered nothing since), _MOVING. While armed, the client disarms itself as soon as one
+ * of these reasons except _MOVING applies, when the robot does not follow its speeds (_INHIBITED),
+ * when commands reach it late (_UPLINK), and lapse_disarm_ms after a lease expired (_LAPSED).
+ * Arming an armed client is fine. A ready client may not be armable yet, as the first statuses come
+ * later: ROBUROC4_EVENT_ARMABLE is raised whenever arming becomes possible; roburoc4_pump_arm()
+ * waits for it. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client,
                                                                      uint64_t now_us);
 /** 1 if a reason against arming may go away by itself (no answer or status yet, the robot still

@@ -81,7 +81,10 @@ static roburoc4_result refusal(const client *c, uint64_t now_us, timer *t) {
     if (c->private_conditions.overridden) {
         return ROBUROC4_ERR_OVERRIDE;
     }
-    return commanded_by_another(c) ? ROBUROC4_ERR_OTHER_COMMANDER : ROBUROC4_OK;
+    if (commanded_by_another(c)) {
+        return ROBUROC4_ERR_OTHER_COMMANDER;
+    }
+    return roburoc4_drive_is_cut_off(&c->private_drive) ? ROBUROC4_ERR_UPLINK : ROBUROC4_OK;
 }
 
 roburoc4_result roburoc4_conditions_refusal(const client *c, uint64_t now_us) {
@@ -94,7 +97,7 @@ roburoc4_result roburoc4_conditions_refusal(const client *c, uint64_t now_us) {
 int32_t roburoc4_refusal_may_pass(roburoc4_result refusal) {
     return refusal == ROBUROC4_ERR_NOT_READY || refusal == ROBUROC4_ERR_STALE_DIFFERENTIAL ||
            refusal == ROBUROC4_ERR_STALE_IOCARD || refusal == ROBUROC4_ERR_OVERRIDE_UNKNOWN ||
-           refusal == ROBUROC4_ERR_MOVING;
+           refusal == ROBUROC4_ERR_MOVING || refusal == ROBUROC4_ERR_UPLINK;
 }
 
 void roburoc4_conditions_watch_arming(client *c) {

@@ -31,6 +31,10 @@
 /* How far reported targets may be from sent ones, due to rounding by the robot. A target that
  * differs by more from what was reported must appear in statuses. */
 #define TARGET_TOLERANCE FIXED(0.02F)
+/* What may not have reached the robot: nothing, speeds of this lease, or also earlier ones. */
+enum { IN_FLIGHT_NONE, IN_FLIGHT_THIS_LEASE, IN_FLIGHT_EARLIER };
+/* A status shows that it stands, and one of the inputs as new that [A] is not held. */
+enum { UNCONFIRMED, SHOWN, CONFIRMED };
 /* Far above any robot's speed, and low enough that products stay finite. */
 #define ANY_SPEED 1000.0F
 /* Widths outside of these are ignored. */
@@ -71,7 +75,7 @@ static void begin_stop_sequence(drive *d) {
         d->stopping = 1;
         d->outcome = ROBUROC4_STOP_TIMED_OUT; /* unless it is confirmed */
         d->zeros_sent = 0;
-        d->confirmed = 0;
+        d->confirmed = UNCONFIRMED;
         d->nonzero_sent = 0;
     }
 }
@@ -84,6 +88,7 @@ static void stop_again(drive *d) {
 static void end_lease(drive *d) {
     d->lease_active = 0;
     d->echo_due = 0;
+    d->in_flight = d->in_flight != IN_FLIGHT_NONE ? IN_FLIGHT_EARLIER : IN_FLIGHT_NONE;
     d->stop_pending = d->stop_pending || d->nonzero_sent;
     d->outcome = d->stop_pending ? ROBUROC4_STOP_TIMED_OUT : d->outcome;
     begin_stop_sequence(d);
@@ -111,9 +116,14 @@ void roburoc4_drive_stop(drive *d, uint32_t *events) {
     d->disarm_cause = ROBUROC4_ERR_STOPPED; /* also if it was disarmed before */
 }
 
-void roburoc4_drive_override(drive *d, bool overridden) {
+void roburoc4_drive_override(drive *d, bool overridden, bool newest) {
     const bool released = d->overridden && !overridden;
     d->overridden = overridden;
+    if (overridden) {
+        d->confirmed = UNCONFIRMED; /* the robot ignores commands now */
+    } else if (newest && d->confirmed == SHOWN) {
+        d->confirmed = CONFIRMED;
+    }
     if (released && d->unconfirmed) {
         stop_again(d); /* the robot may have ignored the zeros, and obey the speed from before */
     }
@@ -181,8 +191,13 @@ static bool lease_over(const drive *d, timer *t) {
     return d->lease_active && due(t, d->granted_us, d->lease_us);
 }
 
+bool roburoc4_drive_is_cut_off(const drive *d) {
+    return !d->armed && d->disarm_cause == ROBUROC4_ERR_UPLINK && d->in_flight != IN_FLIGHT_NONE;
+}
+
 bool roburoc4_drive_asks(const drive *d, timer *t) {
-    return d->stopping && d->in_flight && d->zeros_sent != 0 && due(t, d->stop_us, SPACING_US);
+    return d->stopping && d->in_flight != IN_FLIGHT_NONE && d->zeros_sent != 0 &&
+           due(t, d->stop_us, SPACING_US);
 }
 
 void roburoc4_drive_heard(drive *d, uint32_t sent_us) {
@@ -192,9 +207,10 @@ void roburoc4_drive_heard(drive *d, uint32_t sent_us) {
 }
 
 void roburoc4_drive_arrived(drive *d, uint32_t sent_us, uint32_t now_us) {
-    if (d->in_flight && !d->nonzero_sent && !d->stop_pending && d->zeros_sent != 0 &&
-        (int32_t)(sent_us - d->stop_us) > 0) {
-        d->in_flight = 0; /* the zero before this request arrived, too, and so did all before it */
+    if (d->in_flight != IN_FLIGHT_NONE && !d->nonzero_sent && !d->stop_pending &&
+        d->zeros_sent != 0 && (int32_t)(sent_us - d->stop_us) > 0) {
+        d->in_flight = IN_FLIGHT_NONE; /* the zero before this request arrived, too, and so did all
+                                          before it */
         d->expected_us = now_us;
     }
 }
@@ -292,8 +308,8 @@ static void age_envelope(drive *d, uint32_t window_us, uint32_t now_us) {
         return;
     }
     const bool settled = d->lease_active && d->nonzero_sent && !d->stopping
-                             ? !d->echo_due
-                             : !d->unconfirmed && !d->in_flight;
+                             ? !d->echo_due && d->in_flight != IN_FLIGHT_EARLIER
+                             : !d->unconfirmed && d->in_flight == IN_FLIGHT_NONE;
     if (settled) {
         memcpy(d->low_before, d->low, sizeof d->low);
         memcpy(d->high_before, d->high, sizeof d->high);
@@ -322,7 +338,7 @@ static void expect_echo(drive *d, const float *speeds, uint32_t now_us) {
 
 static bool stop_sequence_over(const drive *d, const roburoc4_config *config, timer *t) {
     return d->zeros_sent >= STOP_ZEROS &&
-           (d->confirmed || due(t, d->stop_us, config->robot_watchdog_ms * MS));
+           (d->confirmed == CONFIRMED || due(t, d->stop_us, config->robot_watchdog_ms * MS));
 }
 
 /** The time until the next command. The first zero of a stop sequence is sent at once; a short
@@ -343,13 +359,14 @@ static uint32_t pause_us(const drive *d, const roburoc4_config *config) {
 
 static void end_stop_sequence(drive *d, uint32_t *events) {
     d->stopping = 0;
-    if (d->confirmed) {
+    const bool confirmed = d->confirmed == CONFIRMED;
+    if (confirmed) {
         d->outcome = ROBUROC4_STOP_CONFIRMED;
         d->unconfirmed = 0;
     } else if (d->overridden) {
         d->outcome = ROBUROC4_STOP_OVERRIDDEN;
     }
-    *events |= d->confirmed ? ROBUROC4_EVENT_STOPPED : ROBUROC4_EVENT_STOP_UNCONFIRMED;
+    *events |= confirmed ? ROBUROC4_EVENT_STOPPED : ROBUROC4_EVENT_STOP_UNCONFIRMED;
 }
 
 /** Whether the next zero must be sent now. */
@@ -377,7 +394,8 @@ static void note_sent(drive *d, const float *speeds, uint32_t now_us) {
     if (!is_zero(speeds[LINEAR]) || !is_zero(speeds[ANGULAR])) {
         d->nonzero_sent = 1;
         d->unconfirmed = 1;
-        d->in_flight = 1;
+        d->in_flight =
+            d->in_flight != IN_FLIGHT_NONE ? d->in_flight : (uint8_t)IN_FLIGHT_THIS_LEASE;
     }
     expect_echo(d, speeds, now_us);
 }
@@ -463,6 +481,7 @@ static void watch_echo(drive *d, const roburoc4_config *config, const float *rep
     if (d->echo_due && both_near(reported, d->echo_low, d->echo_high) &&
         (both_near(reported, d->sent, d->sent) || !both_near(reported, d->echoed, d->echoed))) {
         d->echo_due = 0;
+        d->in_flight = IN_FLIGHT_THIS_LEASE; /* what was sent before it has arrived, too */
     }
     const uint32_t limit_us = uplink_limit_us(config);
     if (!d->echo_due && ours) {
@@ -496,21 +515,29 @@ static void watch_following(drive *d, const roburoc4_differential_status *s, boo
     }
 }
 
-/** What the reported targets mean for the stop sequence, the lease, or the time after both. */
+/** Whether a status confirms the stop: made since the zeros arrived, it shows targets of 0. */
+static void watch_stop(drive *d, bool zero, bool released, const roburoc4_private_link *l,
+                       uint32_t now_us) {
+    const uint32_t index = STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL);
+    if (!zero) {
+        d->confirmed = UNCONFIRMED;
+    } else if (!d->overridden && d->in_flight == IN_FLIGHT_NONE && d->zeros_sent >= STOP_ZEROS &&
+               d->confirmed != CONFIRMED &&
+               now_us - d->expected_us >= roburoc4_link_age_at_arrival(l, index)) {
+        d->confirmed = released ? CONFIRMED : SHOWN;
+    }
+}
+
+/** What the reported targets mean for the lease, or the time after it. */
 static void watch_targets(drive *d, const roburoc4_config *config, const float *reported, bool zero,
                           bool ours, const roburoc4_private_link *l, uint32_t now_us,
                           uint32_t *events) {
     const uint32_t index = STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL);
-    if (d->stopping) {
-        if (zero && !d->overridden && !d->in_flight && d->zeros_sent >= STOP_ZEROS &&
-            now_us - d->expected_us >= roburoc4_link_age_at_arrival(l, index)) {
-            d->confirmed = 1; /* an older status is from before the zeros */
-        }
-    } else if (d->lease_active) {
+    if (d->lease_active) {
         watch_echo(d, config, reported, ours, now_us, events);
     } else if (!zero && ours && has_driven(d)) { /* a speed of ours came late, or came back */
         d->unconfirmed = 1;
-        d->in_flight = 1;
+        d->in_flight = IN_FLIGHT_EARLIER;
         if (roburoc4_link_age_at_arrival(l, index) < WATCHED_US) {
             stop_again(d);
         }
@@ -518,23 +545,25 @@ static void watch_targets(drive *d, const roburoc4_config *config, const float *
 }
 
 void roburoc4_drive_status(drive *d, const roburoc4_config *config,
-                           const roburoc4_differential_status *s, bool overridden,
+                           const roburoc4_differential_status *s, pad_state pad,
                            const roburoc4_private_link *l, uint32_t now_us, uint32_t *events) {
     const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
     const bool zero = nearly_zero(reported[LINEAR]) && nearly_zero(reported[ANGULAR]);
     age_envelope(d, config->robot_watchdog_ms * MS, now_us);
     const bool ours =
         zero || (is_ours(d, LINEAR, reported[LINEAR]) && is_ours(d, ANGULAR, reported[ANGULAR]));
-    watch_other_commander(d, config, ours || overridden, events);
-    if (overridden) {
-        d->confirmed = 0; /* the robot ignores commands now */
+    watch_other_commander(d, config, ours || pad == PAD_HELD, events);
+    if (pad == PAD_HELD) {
+        d->confirmed = UNCONFIRMED; /* the robot ignores commands now */
         d->echo_due = 0;
+    } else if (d->stopping) {
+        watch_stop(d, zero, pad == PAD_RELEASED, l, now_us);
     } else {
         watch_targets(d, config, reported, zero, ours, l, now_us, events);
     }
     /* it has a target to follow, of ours or of another commander */
     const bool expected =
-        !overridden &&
+        pad != PAD_HELD &&
         (d->lease_active || (!zero && is_finite(reported[LINEAR]) && is_finite(reported[ANGULAR])));
     watch_following(d, s, expected, now_us, events);
 }

@@ -26,6 +26,9 @@
 #define LEAST(bound) ((bound) / 2)
 /* How far a robot may exceed its target: gain, overshoot, and rolling while it should rest. */
 #define MOST(bound) ((bound) + (bound) / 4 + (bound) / 16)
+/* How far a robot of little damping may swing beyond a target that is slower than one before, from
+ * how much of the change is left. */
+#define SWING(change) ((change) / 3)
 static const int32_t tolerance[AXES] = {ONE / 10, ONE / 5};
 /* Slower than this is no motion, so targets of twice as much can be watched. */
 static const int32_t slowest_motion[AXES] = {ONE / 200, ONE / 50};
@@ -52,13 +55,13 @@ static int32_t part_way(int32_t from, int32_t to, uint32_t passed, uint32_t bits
     return way < 0 ? from - part : from + part;
 }
 
-static bool out_of_bounds(const follow *f, uint32_t axis) {
+static bool out_of_bounds(const follow *f, uint32_t axis, int32_t target) {
     const int32_t low = f->low[axis];
     const int32_t high = f->high[axis];
-    const int32_t lowest =
-        low > 0 ? LEAST(low) - slowest_motion[axis] : MOST(low) - tolerance[axis];
-    const int32_t highest =
-        high < 0 ? LEAST(high) + slowest_motion[axis] : MOST(high) + tolerance[axis];
+    const int32_t lowest = low > 0 ? LEAST(low) - slowest_motion[axis] - SWING(high - target)
+                                   : MOST(low) - tolerance[axis];
+    const int32_t highest = high < 0 ? LEAST(high) + slowest_motion[axis] + SWING(target - low)
+                                     : MOST(high) + tolerance[axis];
     return f->mean[axis] < lowest || f->mean[axis] > highest;
 }
 
@@ -108,7 +111,7 @@ static bool watch_axis(follow *f, uint32_t axis, float measured, const float *ta
         f->fault_cycles = FAULT_CYCLES;
         return true;
     }
-    return out_of_bounds(f, axis);
+    return out_of_bounds(f, axis, target);
 }
 
 bool roburoc4_follow_status(follow *f, const float *targets,

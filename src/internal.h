@@ -237,8 +237,11 @@ void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events)
 void roburoc4_drive_pause(drive *d);
 /** The same, and disarm. */
 void roburoc4_drive_stop(drive *d, uint32_t *events);
-/** [A] on the game pad is held, or not. */
-void roburoc4_drive_override(drive *d, bool overridden);
+/** [A] on the game pad is held, or not, by a status that is as new as the newest of the
+ * differential service, or older. */
+void roburoc4_drive_override(drive *d, bool overridden, bool newest);
+/** Whether commands did not arrive, and nothing shows yet that they do again. */
+bool roburoc4_drive_is_cut_off(const drive *d);
 /** Whether only an answer to a request that is sent now can show that the zeros arrived. */
 bool roburoc4_drive_asks(const drive *d, timer *t);
 /** The robot seems to have received something that was sent at this time. */
@@ -253,9 +256,11 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
                          const roburoc4_differential_properties *limits, timer *t, float *speeds,
                          uint32_t *events);
+/* [A] on the game pad: released, if there is one that is known; or so by an older status only. */
+typedef enum pad_state { PAD_RELEASED, PAD_WAS_RELEASED, PAD_HELD } pad_state;
 /** A status arrived; how old it is at most, the link knows. */
 void roburoc4_drive_status(drive *d, const roburoc4_config *config,
-                           const roburoc4_differential_status *status, bool overridden,
+                           const roburoc4_differential_status *status, pad_state pad,
                            const roburoc4_private_link *l, uint32_t now_us, uint32_t *events);
 /** The differential service has this id and its properties are known, or (known is false) it cannot
  * be driven: the old id still receives a pending stop sequence, another id nothing. */

@@ -201,6 +201,13 @@ static roburoc4_result decode_status(const client *c, uint32_t service, const ui
     }
 }
 
+/** Whether the newest status of the inputs is as new as that of the speeds. */
+static bool inputs_are_newest(const client *c) {
+    const roburoc4_private_service *services = c->private_link.services;
+    return services[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)].robot_cycles >=
+           services[STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL)].robot_cycles;
+}
+
 /** The inputs, and from them the override: whether the game pad's [A] is held. */
 static void take_inputs(client *c, const roburoc4_channels *inputs) {
     values *v = &c->private_values;
@@ -223,7 +230,7 @@ static void take_inputs(client *c, const roburoc4_channels *inputs) {
     if (c->private_state == ROBUROC4_STATE_CLOSING) {
         c->private_drive.overridden = overridden; /* no other stop sequence, as this one must end */
     }
-    roburoc4_drive_override(&c->private_drive, overridden);
+    roburoc4_drive_override(&c->private_drive, overridden, inputs_are_newest(c));
     if (overridden) {
         roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_OVERRIDE);
     }
@@ -254,8 +261,12 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     if (c->private_outputs.relocalizing) {
         roburoc4_schedule_watch_pose(c);
     }
-    roburoc4_drive_status(d, &c->private_config, &v->differential, c->private_conditions.overridden,
-                          &c->private_link, c->private_timer.now_us, &c->private_events);
+    const pad_state released = c->private_conditions.override_known && !inputs_are_newest(c)
+                                   ? PAD_WAS_RELEASED
+                                   : PAD_RELEASED;
+    roburoc4_drive_status(d, &c->private_config, &v->differential,
+                          c->private_conditions.overridden ? PAD_HELD : released, &c->private_link,
+                          c->private_timer.now_us, &c->private_events);
     if (d->stopping || d->armed != armed) {
         wake(c);
     }

@@ -204,7 +204,7 @@ static void identify(client *c) {
     if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
         memset(c->private_values.io_counts, 0, sizeof c->private_values.io_counts);
         forget_override(c);
-        roburoc4_drive_override(&c->private_drive, false); /* no status will tell */
+        roburoc4_drive_override(&c->private_drive, false, true); /* no status will tell */
     }
 }
 

@@ -247,6 +247,30 @@ TEST_F(StopBelief, IsNotConfirmedWhileItsZerosAreOnTheirWay) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOPPED);
 }
 
+/** [A] is pressed before the first zero that arrives, and the status that shows it is lost. */
+TEST_F(StopBelief, IsNotConfirmedByAStatusNewerThanTheOverrides) {
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
+    bench.drop_to_robot = is_command;
+    bench.drop_to_client = [](const Bytes &bytes) {
+        return is_status(bytes) && bytes[1] == ROBUROC4_SERVICE_IOCARD;
+    };
+    bench.pause();
+    bench.take_events();
+    bench.run(30 * ms);
+    robot.hold(true);
+    ASSERT_EQ(0.0F, robot.target_linear) << "it shows the pad's target, and keeps the other";
+    bench.run(170 * ms);
+    EXPECT_NE(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
+    bench.drop_to_robot = bench.drop_to_client = nullptr;
+    bench.run(200 * ms);
+    EXPECT_TRUE(bench.facts().overridden);
+    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_STOPPED);
+    robot.hold(false);
+    bench.run(60 * ms);
+    EXPECT_EQ(0.0F, robot.target_linear);
+}
+
 TEST_F(StopBelief, IsConfirmedSoonWhereAllArrives) {
     bench.armed();
     for (int i = 0; i < 20; i++) {
@@ -626,6 +650,23 @@ TEST(Uplink, OfALeaseThatEndedSaysNothingOfTheNext) {
         }
     }
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+}
+
+TEST(Uplink, ThatWasDeadMustAnswerBeforeItArms) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+    bench.drop_to_robot = [](const Bytes &) { return true; };
+    EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0.5F, 0, 2 * second));
+    bench.take_events();
+    bench.run(400 * ms);
+    EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.arm());
+    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_ARMABLE);
+    bench.drop_to_robot = nullptr;
+    bench.run(1200 * ms);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_ARMABLE);
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }
 
 TEST(Uplink, ThatLosesAFifthDisarmsNobody) {

@@ -52,8 +52,9 @@ void expect_disarmed(Bench &bench, roburoc4_result cause, const std::function<vo
 
 TEST(Arm, OnlyTransientReasonsAreWorthWaitingFor) {
     const std::set<roburoc4_result> passing = {
-        ROBUROC4_ERR_NOT_READY, ROBUROC4_ERR_STALE_DIFFERENTIAL, ROBUROC4_ERR_STALE_IOCARD,
-        ROBUROC4_ERR_OVERRIDE_UNKNOWN, ROBUROC4_ERR_MOVING};
+        ROBUROC4_ERR_NOT_READY,    ROBUROC4_ERR_STALE_DIFFERENTIAL,
+        ROBUROC4_ERR_STALE_IOCARD, ROBUROC4_ERR_OVERRIDE_UNKNOWN,
+        ROBUROC4_ERR_MOVING,       ROBUROC4_ERR_UPLINK};
     for (roburoc4_result refusal = -50; refusal <= 1; refusal++)
         EXPECT_EQ(passing.count(refusal) == 1, roburoc4_refusal_may_pass(refusal) == 1) << refusal;
 }

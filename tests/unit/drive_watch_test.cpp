@@ -182,6 +182,27 @@ TEST(OtherCommander, IsNotOurTargetFromBeforeThatTheRobotStillHas) {
     EXPECT_EQ(0, bench.facts().other_commander);
 }
 
+TEST(OtherCommander, IsNotASpeedOfOursThatAQueueKeptThroughLaterLeases) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    bench.drop_to_robot = [](const Bytes &) { return true; }; /* a queue takes it all */
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    for (int i = 0; i < 8; i++) {
+        bench.pause();
+        bench.run(1100 * ms);
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.01F, 0, 300 * ms)) << i;
+    }
+    bench.pause();
+    bench.run(1100 * ms);
+    bench.take_events();
+    bench.drop_to_robot = nullptr;
+    robot.target_linear = 0.5F; /* now it comes */
+    bench.run(500 * ms);
+    EXPECT_EQ(0.0F, robot.target_linear);
+    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER);
+}
+
 TEST(OtherCommander, CanBeIgnored) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER;
@@ -393,7 +414,8 @@ TEST(Inhibited, IsNoRobotTooSlowForTargetsThatAlternate) {
 
 /** A second-order response, as slow, as fast and as far off as the family allows. */
 TEST(Inhibited, IsNoRobotThatRespondsInItsOwnWay) {
-    const float steps[][2] = {{1, 0}, {-1, 0.5F}, {0.1F, -1.5F}, {0.1F, 0}, {0.7F, 1.5F}, {0, 0}};
+    const float steps[][2] = {{1, 0},        {-1, 0.5F},  {0.1F, -1.5F},    {0.1F, 0}, {1, 1.5F},
+                              {0.02F, 0.1F}, {-1, -1.5F}, {-0.04F, -0.05F}, {0, 0}};
     for (const float frequency : {1.5F, 2.46F, 8.0F, 40.0F})
         for (const float damping : {0.6F, 0.79F, 1.5F})
             for (const float gain : {0.85F, 1.15F})
