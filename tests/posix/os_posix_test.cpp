@@ -8,11 +8,14 @@
 #include <algorithm>
 #include <arpa/inet.h>
 #include <cerrno>
+#include <csignal>
 #include <cstdarg>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <deque>
 #include <fcntl.h>
+#include <future>
 #include <map>
 #include <netdb.h>
 #include <netinet/in.h>
@@ -21,6 +24,7 @@
 #include <set>
 #include <string>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <vector>
 
@@ -44,6 +48,7 @@ struct Library {
     std::map<clockid_t, timespec> clocks;
     short ready[2] = {0, 0}; /* what ppoll() reports */
 
+    bool real = false; /* descriptors are the system's */
     std::set<int> open;
     int socket_family = 0, flags = 0, descriptor_flags = 0;
     std::map<std::pair<int, int>, int> options;
@@ -51,6 +56,8 @@ struct Library {
     std::vector<uint8_t> sent;
     std::vector<std::string> asked; /* name servers */
     std::vector<addrinfo *> lists;  /* that were not freed */
+    clockid_t signal_clock = -1;    /* of waits for a signal, and until when the last one was */
+    timespec signal_until{};
     timespec waited{};
     std::vector<pollfd> watched;
 };
@@ -87,6 +94,9 @@ int fake_socket(int family, int type, int protocol) {
 
 int fake_close(int fd);
 int fake_close(int fd) {
+    if (library.real) {
+        return close(fd);
+    }
     EXPECT_EQ(library.open.erase(fd), 1u);
     return 0;
 }
@@ -97,6 +107,10 @@ int fake_fcntl(int fd, int command, ...) {
     va_start(arguments, command);
     const int value = va_arg(arguments, int);
     va_end(arguments);
+    if (library.real) {
+        return fails(command == F_SETFD ? "F_SETFD" : "F_SETFL") != 0 ? -1
+                                                                      : fcntl(fd, command, value);
+    }
     EXPECT_EQ(library.open.count(fd), 1u);
     (command == F_SETFD ? library.descriptor_flags : library.flags) = value;
     return fails(command == F_SETFD ? "F_SETFD" : "F_SETFL");
@@ -219,6 +233,35 @@ int fake_clock_gettime(clockid_t clock, timespec *out) {
     }
     *out = found->second;
     return 0;
+}
+
+int fake_pthread_mutex_init(pthread_mutex_t *mutex, const pthread_mutexattr_t *attributes);
+int fake_pthread_mutex_init(pthread_mutex_t *mutex, const pthread_mutexattr_t *attributes) {
+    return attributes != nullptr && fails("attributes") != 0 ? errno
+           : fails("mutex") != 0                             ? errno
+                                 : pthread_mutex_init(mutex, attributes);
+}
+
+int fake_pthread_condattr_setclock(pthread_condattr_t *attributes, clockid_t clock);
+int fake_pthread_condattr_setclock(pthread_condattr_t *, clockid_t clock) {
+    library.signal_clock = clock;
+    return fails("setclock") != 0 ? errno : 0;
+}
+
+int fake_pthread_cond_timedwait(pthread_cond_t *signal, pthread_mutex_t *mutex,
+                                const timespec *until);
+int fake_pthread_cond_timedwait(pthread_cond_t *, pthread_mutex_t *, const timespec *until) {
+    library.signal_until = *until;
+    return ETIMEDOUT;
+}
+
+int fake_pthread_create(pthread_t *id, const pthread_attr_t *attributes, void *(*run)(void *),
+                        void *argument);
+int fake_pthread_create(pthread_t *id, const pthread_attr_t *attributes, void *(*run)(void *),
+                        void *argument) {
+    const int error = fails("thread") != 0 ? errno : pthread_create(id, attributes, run, argument);
+    errno = 0; /* it is not set */
+    return error;
 }
 
 } // extern "C"
@@ -530,6 +573,184 @@ TEST_F(Posix, TheClockCountsWhileTheMachineSleeps) {
     library.clocks.erase(CLOCK_BOOTTIME);
     EXPECT_EQ(roburoc4_udp_now_us(), 4999999u) << "an old kernel";
     EXPECT_EQ(roburoc4_os_calendar_us(), 1767323045000000u);
+}
+
+/* ----------------------------------------------------------------------------------- files --- */
+
+/* With files and descriptors of the system. */
+class PosixFiles : public Posix {
+  protected:
+    void SetUp() override {
+        Posix::SetUp();
+        library.real = true;
+        free_descriptor_ = lowest_descriptor();
+        ASSERT_NE(mkdtemp(folder_), nullptr);
+    }
+    void TearDown() override {
+        library.real = false;
+        for (const char *name : {"/run", "/pipe"}) {
+            (void)unlink((folder_ + std::string(name)).c_str());
+        }
+        EXPECT_EQ(rmdir(folder_), 0);
+        EXPECT_EQ(lowest_descriptor(), free_descriptor_) << "one was not closed";
+    }
+    static int lowest_descriptor() {
+        const int fd = dup(STDERR_FILENO);
+        close(fd);
+        return fd;
+    }
+    char folder_[64] = "/tmp/roburoc4-posix-XXXXXX";
+    int free_descriptor_ = 0;
+};
+
+TEST_F(PosixFiles, AFileIsNeverOverwritten) {
+    const std::string path = folder_ + std::string("/run");
+    EXPECT_EQ(roburoc4_os_path_kind(path.c_str()), ROBUROC4_OS_FILE) << "nothing yet";
+    const int64_t file = roburoc4_os_file_create(path.c_str());
+    ASSERT_NE(file, ROBUROC4_OS_NO_FILE);
+    EXPECT_NE(fcntl(static_cast<int>(file), F_GETFD) & FD_CLOEXEC, 0);
+    const uint8_t bytes[] = {1, 2, 3};
+    EXPECT_EQ(roburoc4_os_file_write(file, bytes, 3), 3u);
+    roburoc4_os_file_truncate(file, 2);
+    EXPECT_EQ(lseek(static_cast<int>(file), 0, SEEK_END), 2);
+    roburoc4_os_file_close(file);
+    EXPECT_EQ(roburoc4_os_file_write(file, bytes, 3), 0u);
+    EXPECT_EQ(errno, EBADF);
+    EXPECT_EQ(roburoc4_os_path_kind(path.c_str()), ROBUROC4_OS_FILE);
+    EXPECT_EQ(roburoc4_os_file_create(path.c_str()), ROBUROC4_OS_NO_FILE);
+    EXPECT_EQ(errno, EEXIST);
+    EXPECT_EQ(roburoc4_os_path_kind(folder_), ROBUROC4_OS_FOLDER);
+}
+
+TEST_F(PosixFiles, APipeIsNotWaitedForButWrittenToHoweverSlowItsReaderIs) {
+    const std::string path = folder_ + std::string("/pipe");
+    ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+    EXPECT_EQ(roburoc4_os_path_kind(path.c_str()), ROBUROC4_OS_STREAM);
+    EXPECT_EQ(roburoc4_os_file_create(path.c_str()), ROBUROC4_OS_NO_FILE) << "no reader";
+    EXPECT_EQ(errno, ENXIO);
+    const int reader = open(path.c_str(), O_RDONLY | O_NONBLOCK);
+    const int64_t file = roburoc4_os_file_create(path.c_str());
+    ASSERT_NE(file, ROBUROC4_OS_NO_FILE);
+    EXPECT_EQ(fcntl(static_cast<int>(file), F_GETFL) & O_NONBLOCK, 0);
+    roburoc4_os_file_close(file);
+    close(reader);
+}
+
+TEST_F(Posix, AFileIsNamedInUniversalTime) {
+    setenv("TZ", "XXX-5", 1);
+    tzset();
+    char text[17];
+    roburoc4_os_calendar_text(1767323045999999, text);
+    EXPECT_STREQ(text, "20260102T030405Z");
+    unsetenv("TZ");
+    tzset();
+}
+
+/* ----------------------------------------------------------------------- locks and threads --- */
+
+bool is_cancellable() {
+    int state = 0, ignored = 0;
+    pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &state);
+    pthread_setcancelstate(state, &ignored);
+    return state == PTHREAD_CANCEL_ENABLE;
+}
+
+TEST_F(Posix, AThreadIsNotCancelledWhileItHasALockNorAfterwardsWhereItForbadeThat) {
+    roburoc4_lock first, second;
+    library.errors["attributes"] = ENOTSUP; /* no inheritance of priorities */
+    ASSERT_EQ(roburoc4_lock_create(&first), 1);
+    library.errors.clear();
+    ASSERT_EQ(roburoc4_lock_create(&second), 1);
+    int ignored = 0;
+    for (const bool allowed : {false, true}) {
+        pthread_setcancelstate(allowed ? PTHREAD_CANCEL_ENABLE : PTHREAD_CANCEL_DISABLE, &ignored);
+        roburoc4_lock_take(&first);
+        roburoc4_lock_take(&second);
+        EXPECT_FALSE(is_cancellable());
+        roburoc4_lock_give(&first); /* not in the reverse order */
+        EXPECT_FALSE(is_cancellable());
+        roburoc4_lock_give(&second);
+        EXPECT_EQ(is_cancellable(), allowed);
+    }
+    roburoc4_lock_destroy(&first);
+    roburoc4_lock_destroy(&second);
+    library.errors["mutex"] = ENOMEM;
+    EXPECT_EQ(roburoc4_lock_create(&first), 0);
+}
+
+TEST_F(Posix, AWaitForASignalIsNoLongerWhenSomebodySetsTheClock) {
+    roburoc4_signal signal;
+    roburoc4_lock lock;
+    library.errors["setclock"] = EINVAL;
+    EXPECT_EQ(roburoc4_signal_create(&signal), 0);
+    library.errors.clear();
+    ASSERT_EQ(roburoc4_signal_create(&signal), 1);
+    ASSERT_EQ(roburoc4_lock_create(&lock), 1);
+    EXPECT_EQ(library.signal_clock, CLOCK_MONOTONIC);
+    library.clocks = {{CLOCK_MONOTONIC, {10, 999999999}}};
+    roburoc4_signal_wait(&signal, &lock, 2500000);
+    EXPECT_EQ(library.signal_until.tv_sec, 13);
+    EXPECT_EQ(library.signal_until.tv_nsec, 499999000);
+    roburoc4_signal_wait(&signal, &lock, UINT64_MAX);
+    EXPECT_EQ(library.signal_until.tv_sec, 10 + 3600);
+    roburoc4_signal_destroy(&signal);
+    roburoc4_lock_destroy(&lock);
+}
+
+struct Started {
+    std::promise<void> may_end;
+    sigset_t mask;
+};
+
+void take_a_look(void *argument) {
+    auto *started = static_cast<Started *>(argument);
+    pthread_sigmask(SIG_BLOCK, nullptr, &started->mask);
+    started->may_end.get_future().wait();
+}
+
+TEST_F(Posix, AThreadTakesNoSignalsAndSaysWhenItIsOver) {
+    Started started;
+    roburoc4_thread thread{};
+    EXPECT_EQ(roburoc4_thread_is_over(&thread), 1) << "it never started";
+    library.errors["thread"] = EAGAIN;
+    EXPECT_EQ(roburoc4_thread_start(&thread, take_a_look, &started), 0);
+    EXPECT_EQ(errno, EAGAIN);
+    library.errors.clear();
+    thread.over.number = 1; /* of an earlier thread */
+    ASSERT_EQ(roburoc4_thread_start(&thread, take_a_look, &started), 1);
+    EXPECT_EQ(roburoc4_thread_is_over(&thread), 0);
+    started.may_end.set_value();
+    roburoc4_thread_join(&thread);
+    EXPECT_EQ(roburoc4_thread_is_over(&thread), 1);
+    EXPECT_EQ(sigismember(&started.mask, SIGINT), 1);
+    sigset_t mine;
+    pthread_sigmask(SIG_BLOCK, nullptr, &mine);
+    EXPECT_EQ(sigismember(&mine, SIGINT), 0);
+}
+
+TEST_F(PosixFiles, AWakeNeverBlocksKeepsErrnoAndIsClearedAtOnce) {
+    roburoc4_wake wake;
+    for (const char *call : {"F_SETFD", "F_SETFL"}) {
+        library.errors[call] = EINVAL;
+        EXPECT_EQ(roburoc4_wake_create(&wake), 0);
+        EXPECT_EQ(lowest_descriptor(), free_descriptor_);
+        library.errors.clear();
+    }
+    ASSERT_EQ(roburoc4_wake_create(&wake), 1);
+    for (const int64_t end : {wake.wait_on, wake.write_to}) {
+        EXPECT_NE(fcntl(static_cast<int>(end), F_GETFL) & O_NONBLOCK, 0);
+        EXPECT_NE(fcntl(static_cast<int>(end), F_GETFD) & FD_CLOEXEC, 0);
+    }
+    errno = E2BIG;
+    for (int i = 0; i < 70000; i++) { /* more than a pipe holds */
+        roburoc4_wake_raise(&wake);
+    }
+    EXPECT_EQ(errno, E2BIG);
+    pollfd end{static_cast<int>(wake.wait_on), POLLIN, 0};
+    EXPECT_EQ(poll(&end, 1, 0), 1);
+    roburoc4_wake_clear(&wake);
+    EXPECT_EQ(poll(&end, 1, 0), 0);
+    roburoc4_wake_destroy(&wake);
 }
 
 } // namespace
