@@ -317,6 +317,7 @@ static roburoc4_pump *allocate(uint32_t capacity) {
     }
     if (pump == NULL || pump->samples == NULL) {
         free_memory(pump);
+        errno = ENOMEM; /* also where free() changes it */
         return NULL;
     }
     return pump;

@@ -18,7 +18,7 @@
 static uint64_t made_us(const roburoc4_client *client, const roburoc4_sample *sample) {
     uint64_t mapped_us;
     if (roburoc4_client_host_time(client, sample->robot_cycles, &mapped_us) < 0 ||
-        mapped_us > sample->host_us || sample->host_us - mapped_us > LATEST_US) {
+        sample->host_us - mapped_us > LATEST_US) { /* or in the future */
         return sample->host_us;
     }
     return mapped_us;
@@ -75,16 +75,11 @@ static roburoc4_pump_text *find_text(roburoc4_pump *pump, int32_t io_type, uint3
     return index < sizes[row] ? &pump->texts[before + index] : NULL;
 }
 
-static int is_text_kind(int32_t io_type) {
-    return io_type >= -1 && io_type <= ROBUROC4_IO_DIGITAL_OUTPUT;
-}
-
 static void store_text(roburoc4_pump *pump, const uint8_t *datagram, size_t size) {
     roburoc4_description description;
     roburoc4_pump_text *text;
     uint32_t length;
-    if (roburoc4_client_description(&pump->client, datagram, size, &description) < 0 ||
-        !is_text_kind(description.io_type)) {
+    if (roburoc4_client_description(&pump->client, datagram, size, &description) < 0) {
         return;
     }
     text = find_text(pump, description.io_type, description.index);
@@ -242,6 +237,10 @@ roburoc4_result roburoc4_pump_take_events(roburoc4_pump *pump, roburoc4_pump_rea
     over = pump->phase != ROBUROC4_PUMP_RUNNING;
     roburoc4_pump_leave(pump);
     return events == 0 && over ? ROBUROC4_ERR_CLOSED : (roburoc4_result)events;
+}
+
+static int is_text_kind(int32_t io_type) {
+    return io_type >= -1 && io_type <= ROBUROC4_IO_DIGITAL_OUTPUT;
 }
 
 roburoc4_result roburoc4_pump_description(roburoc4_pump *pump, int32_t io_type, uint32_t index,

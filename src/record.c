@@ -575,6 +575,7 @@ static roburoc4_recorder *allocate(const char *path, const roburoc4_recorder_opt
     memcpy(r->robot, robot, strlen(robot) < ROBOT_BYTES_MAX ? strlen(robot) : ROBOT_BYTES_MAX);
     if (r->buffer == NULL || r->out == NULL) {
         free_recorder(r);
+        errno = ENOMEM; /* also where free() changes it */
         return NULL;
     }
     return r;

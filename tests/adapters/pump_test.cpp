@@ -81,33 +81,6 @@ size_t speeds_in(const std::vector<SpeedCommand> &commands) {
     return speeds;
 }
 
-/* ------------------------------------------------------------------------------------ life --- */
-
-TEST(Pump, RefusesInvalidArguments) {
-    roburoc4_address address{};
-    roburoc4_result result = 0;
-    EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, nullptr, &result), nullptr);
-    EXPECT_EQ(result, ROBUROC4_ERR_ARGUMENT);
-    ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1:9", 0, &address), ROBUROC4_OK);
-    EXPECT_EQ(
-        roburoc4_pump_create(&address, nullptr, ROBUROC4_PUMP_QUEUE_MIN - 1, nullptr, &result),
-        nullptr);
-    EXPECT_EQ(result, ROBUROC4_ERR_ARGUMENT);
-    EXPECT_EQ(
-        roburoc4_pump_create(&address, nullptr, ROBUROC4_PUMP_QUEUE_MAX + 1, nullptr, &result),
-        nullptr);
-    EXPECT_EQ(result, ROBUROC4_ERR_ARGUMENT);
-    roburoc4_config config;
-    ASSERT_EQ(roburoc4_config_init(&config, sizeof config), ROBUROC4_OK);
-    config.lease_ms = 1;
-    EXPECT_EQ(roburoc4_pump_create(&address, &config, 0, nullptr, &result), nullptr);
-    EXPECT_EQ(result, ROBUROC4_ERR_CONFIG);
-    ASSERT_EQ(roburoc4_udp_resolve("255.255.255.255:9", 0, &address), ROBUROC4_OK);
-    EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, nullptr, nullptr), nullptr)
-        << "the result is not asked for";
-    roburoc4_pump_destroy(nullptr);
-}
-
 /* ---------------------------------------------------------------------------------- motion --- */
 
 TEST(Pump, StopsTheRobotOfAProgramThatHangs) {
@@ -141,52 +114,6 @@ TEST(PumpCreate, CanSendFromALocalPort) {
     Pump refused(roburoc4_pump_create_from(&address, &local, nullptr, 0, nullptr, &result));
     EXPECT_EQ(refused, nullptr);
     EXPECT_EQ(result, ROBUROC4_ERR_SYSTEM) << "another program has the port";
-}
-
-/** A pump without a thread, whose client a world moves. */
-TEST(PumpWithoutAddress, KeepsWhatItsClientReceivesForReaders) {
-    roburoc4_result result = ROBUROC4_ERR_SYSTEM;
-    roburoc4_pump *pump = roburoc4_pump_create(nullptr, nullptr, 0, nullptr, &result);
-    ASSERT_NE(pump, nullptr);
-    roburoc4_world *world = roburoc4_world_create(nullptr);
-    ASSERT_EQ(roburoc4_world_join(world, roburoc4_pump_lock(pump)), 1);
-    roburoc4_pump_unlock(pump);
-    const std::uint8_t *datagram = nullptr;
-    std::size_t size = 0;
-    while (roburoc4_world_step(world, 11000000, &datagram, &size) != 0) {
-        roburoc4_pump_lock(pump);
-        roburoc4_pump_collect(pump, datagram, size);
-        roburoc4_pump_unlock(pump);
-    }
-    roburoc4_pump_reader reader{};
-    std::vector<roburoc4_sample> samples(1000);
-    EXPECT_GT(roburoc4_pump_read_samples(pump, &reader, samples.data(), 1000), 600);
-    EXPECT_NE(roburoc4_pump_take_events(pump, &reader) & ROBUROC4_EVENT_READY, 0);
-    std::array<char, ROBUROC4_PUMP_DESCRIPTION_SIZE> text{};
-    EXPECT_GT(
-        roburoc4_pump_description(pump, ROBUROC4_IO_DIGITAL_INPUT, 0, text.data(), text.size()), 0);
-    EXPECT_STREQ(text.data(), "Front bumper");
-    EXPECT_EQ(roburoc4_pump_running(pump), 1);
-    EXPECT_EQ(roburoc4_pump_close(pump), ROBUROC4_OK);
-    EXPECT_EQ(roburoc4_pump_running(pump), 0);
-    EXPECT_EQ(roburoc4_pump_read_samples(pump, &reader, samples.data(), 1000), ROBUROC4_ERR_CLOSED);
-    roburoc4_client *client = roburoc4_pump_lock(pump);
-    EXPECT_EQ(roburoc4_client_state(client), ROBUROC4_STATE_READY);
-    roburoc4_sample latest;
-    for (std::uint32_t service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT;
-         service++) {
-        EXPECT_EQ(roburoc4_sample_latest(client, service, &latest), ROBUROC4_OK);
-        EXPECT_EQ(latest.service, service);
-        EXPECT_GT(latest.robot_cycles, 0U);
-        EXPECT_GT(latest.host_us, 0U);
-        EXPECT_LE(latest.made_us, latest.host_us);
-        EXPECT_GT(latest.made_us + 1000000, latest.host_us);
-    }
-    EXPECT_EQ(roburoc4_sample_latest(client, ROBUROC4_SERVICE_DIRECTORY, &latest),
-              ROBUROC4_ERR_ARGUMENT);
-    roburoc4_pump_unlock(pump);
-    roburoc4_world_destroy(world);
-    roburoc4_pump_destroy(pump);
 }
 
 /* --------------------------------------------------- signals, cancelled threads and exit() --- */
@@ -278,26 +205,6 @@ TEST(Cancel, OfAReaderLeavesThePumpAlive) {
         const std::vector<SpeedCommand> commands = robot.commands();
         return speeds_in(commands) > 0 && zeros_at_the_end(commands) >= 3;
     })) << "the lease ended";
-}
-
-TEST(Cancel, WaitsForTheLastOfTheLocksOfAThread) {
-    UdpRobot robot;
-    Pump first = make_pump(robot.address()), second = make_pump(robot.address());
-    for (int i = 0; i < 20; i++) {
-        cancel_in([&] {
-            roburoc4_pump_lock(first.get());
-            roburoc4_pump_lock(second.get());
-            sleep_ms(1); /* where a thread is cancelled */
-            roburoc4_pump_unlock(first.get());
-            sleep_ms(1);
-            roburoc4_pump_unlock(second.get());
-            pthread_testcancel();
-        });
-    }
-    EXPECT_NE(roburoc4_pump_lock(first.get()), nullptr);
-    roburoc4_pump_unlock(first.get());
-    EXPECT_NE(roburoc4_pump_lock(second.get()), nullptr);
-    roburoc4_pump_unlock(second.get());
 }
 
 /* Runs exit_in_mid_drive.c's program to its end; returns its status as waitpid() does. */

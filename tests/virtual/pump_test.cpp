@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 
 extern "C" {
@@ -102,6 +103,10 @@ TEST_F(Pump, DrivesAMoveToItsEnd) {
     roburoc4_move move{};
     ASSERT_EQ(roburoc4_move_by(&move, 0.5f, 0.0f, nullptr), ROBUROC4_OK);
     EXPECT_EQ(roburoc4_pump_move(pump_, &move), ROBUROC4_MOVE_REACHED);
+    roburoc4_facts facts{};
+    facts.size = sizeof facts;
+    EXPECT_EQ(on_client(pump_, roburoc4_client_facts, sys.now_us, &facts), ROBUROC4_OK);
+    EXPECT_FALSE(facts.driving);
     EXPECT_NEAR(robot_->state().odometry_x_m, 0.5, 0.05);
     EXPECT_EQ(roburoc4_pump_move(pump_, &move), ROBUROC4_MOVE_REACHED) << "it has ended";
     EXPECT_EQ(on_client(pump_, roburoc4_client_drive, 0.1f, 0.0f, 0u), ROBUROC4_OK) << "armed";
@@ -119,6 +124,33 @@ TEST_F(Pump, ARequestedStopEndsItsMove) {
     sleep_ms(500);
     EXPECT_LE(robot_->first_zero_us(), stop_us + 10 * kMs + sys.delay_us);
     EXPECT_EQ(on_client(pump_, roburoc4_client_drive, 0.1f, 0.0f, 0u), ROBUROC4_ERR_STOPPED);
+}
+
+TEST_F(Pump, AStopRightBeforeAMoveEndsItAtOnce) {
+    create_armed();
+    roburoc4_move move{};
+    ASSERT_EQ(roburoc4_move_by(&move, 5.0f, 0.0f, nullptr), ROBUROC4_OK);
+    const uint64_t asked_us = sys.now_us;
+    roburoc4_pump_request_stop(pump_);
+    EXPECT_EQ(roburoc4_pump_move(pump_, &move), ROBUROC4_MOVE_CANCELLED);
+    EXPECT_EQ(sys.now_us, asked_us);
+    EXPECT_EQ(robot_->speeds(), 0u);
+}
+
+TEST_F(Pump, AMoveSpeedsUpEvenlyAlsoWhileTheRobotIsQuiet) {
+    for (int service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
+        config_.period_ms[service] = 330;
+    }
+    config_.fresh_ms = 1000;
+    config_.lost_ms = 5000;
+    create_armed();
+    roburoc4_move move{};
+    ASSERT_EQ(roburoc4_move_for(&move, 0.3f, 0.0f, 3000, nullptr), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_move(pump_, &move), ROBUROC4_MOVE_REACHED);
+    const float step = 0.5f * 0.075f; /* a drive period and a step, at 0.5 m/s^2 */
+    for (size_t i = 1; i < robot_->commands.size(); i++) {
+        EXPECT_NEAR(robot_->commands[i].linear_m_s, robot_->commands[i - 1].linear_m_s, step) << i;
+    }
 }
 
 TEST_F(Pump, TheZeroThatEndsAMoveLeavesBeforeTheCallReturns) {
@@ -230,6 +262,20 @@ TEST_F(Pump, RetriesAnAbsentRobotWithoutSpinningAndFindsItLater) {
     EXPECT_EQ(roburoc4_pump_arm(pump_, 3 * kSecond), ROBUROC4_OK);
 }
 
+TEST_F(Pump, ASocketWithoutARouteIsNeitherReadNorWaitedForNorReconnectedAfterClose) {
+    sys.connect_fault = ROBUROC4_FAULT_UNREACHABLE;
+    sys.receive_forever = true; /* from anybody */
+    create();
+    sleep_ms(10000);
+    EXPECT_LE(sys.waits, 100);
+    EXPECT_EQ(sys.receive_calls, 0);
+    EXPECT_EQ(roburoc4_pump_close(pump_), ROBUROC4_OK);
+    const size_t connects = sys.connects_us.size();
+    sleep_ms(5000);
+    EXPECT_EQ(on_client(pump_, roburoc4_client_state), uint32_t{ROBUROC4_STATE_IDLE});
+    EXPECT_EQ(sys.connects_us.size(), connects);
+}
+
 TEST_F(Pump, ASocketThatCannotBeWaitedForOrReadDoesNotMakeItSpin) {
     create_armed();
     sys.waits_fail = true;
@@ -248,18 +294,25 @@ TEST_F(Pump, ASocketThatCannotBeWaitedForOrReadDoesNotMakeItSpin) {
     sys.receives.clear();
 }
 
-TEST_F(Pump, ASocketThatCannotBeReadDelaysNoCommand) {
+TEST_F(Pump, ASocketThatCannotBeReadOrWaitedForDelaysNoCommand) {
     create_armed();
-    sys.receives.assign(1000000, ROBUROC4_OS_BROKEN);
-    const uint64_t granted_us = sys.now_us;
-    ASSERT_EQ(on_client(pump_, roburoc4_client_drive, 0.5f, 0.0f, 200000u), ROBUROC4_OK);
-    sleep_ms(600);
-    sys.receives.clear();
-    EXPECT_EQ(robot_->speeds(), 4u);
-    EXPECT_EQ(robot_->first_zero_us(), granted_us + 200 * kMs + sys.delay_us);
-    for (size_t i = 1; i < robot_->commands.size(); i++) {
-        EXPECT_EQ(robot_->commands[i].at_us - robot_->commands[i - 1].at_us, 50 * kMs);
+    for (const bool waits_fail : {false, true}) {
+        sleep_ms(1000);
+        ASSERT_EQ(roburoc4_pump_arm(pump_, kSecond), ROBUROC4_OK);
+        robot_->commands.clear();
+        sys.receives.assign(waits_fail ? 0 : 1000000, ROBUROC4_OS_BROKEN);
+        sys.waits_fail = waits_fail;
+        const uint64_t granted_us = sys.now_us;
+        ASSERT_EQ(on_client(pump_, roburoc4_client_drive, 0.5f, 0.0f, 200000u), ROBUROC4_OK);
+        sleep_ms(600);
+        sys.receives.clear();
+        EXPECT_EQ(robot_->speeds(), 4u);
+        EXPECT_EQ(robot_->first_zero_us(), granted_us + 200 * kMs + sys.delay_us);
+        for (size_t i = 1; i < robot_->commands.size(); i++) {
+            EXPECT_EQ(robot_->commands[i].at_us - robot_->commands[i - 1].at_us, 50 * kMs);
+        }
     }
+    sys.waits_fail = false;
 }
 
 TEST_F(Pump, ALossIsReportedWhenItHappens) {
@@ -302,6 +355,7 @@ TEST_F(Pump, ArmingRefusesAtOnceWhatWaitingCannotChange) {
     ASSERT_TRUE(robot_->panel("pad a up"));
     EXPECT_GT(roburoc4_pump_wait_events(pump_, &reader, ROBUROC4_EVENT_ARMABLE, kSecond), 0);
     EXPECT_EQ(roburoc4_pump_arm(pump_, 0), ROBUROC4_OK);
+    EXPECT_GT(roburoc4_pump_wait_events(pump_, &reader, ROBUROC4_EVENT_ARMED, 0), 0);
 }
 
 TEST_F(Pump, ArmingIsEndedByAStopAndByTheEnd) {
@@ -397,6 +451,20 @@ TEST_F(Pump, CloseReturnsAlsoWhereTheSystemRefusesEveryDatagram) {
     EXPECT_LE(sys.now_us, asked_us + 1500 * kMs);
 }
 
+TEST_F(Pump, CloseOfAMachineThatHangsTakesNoLongerThanPromised) {
+    for (const uint64_t stall : {1490u, 2000u}) {
+        begin();
+        robot_ = std::make_unique<Robot>();
+        create_driving();
+        const uint64_t asked_us = sys.now_us;
+        at(asked_us + 1, [=] { stall_ms(stall); });
+        EXPECT_EQ(roburoc4_pump_close(pump_), ROBUROC4_OK);
+        EXPECT_EQ(sys.now_us, stall < 1500 ? asked_us + 1500 * kMs : asked_us + 1 + stall * kMs);
+        roburoc4_pump_destroy(pump_);
+        pump_ = nullptr;
+    }
+}
+
 TEST_F(Pump, TwoThatCloseBothWaitForTheStop) {
     create_driving();
     robot_->silent = true;
@@ -482,13 +550,15 @@ TEST_F(Pump, ClosedLeavesValuesReadableAndRefusesCommands) {
     roburoc4_sample samples[64];
     roburoc4_result got;
     uint64_t read = 0;
+    EXPECT_GT(roburoc4_pump_wait_samples(p, &reader, UINT32_MAX), 0);
+    EXPECT_EQ(roburoc4_pump_read_samples(p, &reader, samples, 0), 0) << "some are left";
     while ((got = roburoc4_pump_read_samples(p, &reader, samples, 64)) > 0) {
         read += static_cast<uint64_t>(got);
     }
     EXPECT_GT(read, 0u) << "what came before the end can be read";
     EXPECT_EQ(got, ROBUROC4_ERR_CLOSED);
     EXPECT_EQ(roburoc4_pump_wait_samples(p, &reader, UINT32_MAX), ROBUROC4_ERR_CLOSED);
-    roburoc4_pump_take_events(p, &reader);
+    EXPECT_GT(roburoc4_pump_take_events(p, &reader), 0);
     EXPECT_EQ(roburoc4_pump_take_events(p, &reader), ROBUROC4_ERR_CLOSED);
     EXPECT_EQ(roburoc4_pump_arm(p, UINT32_MAX), ROBUROC4_ERR_CLOSED);
 }
@@ -644,6 +714,10 @@ TEST_F(Pump, AForkedChildHasNoPumpAndTheParentDrivesOn) {
         EXPECT_EQ(roburoc4_pump_wait_samples(pump_, &reader, UINT32_MAX), ROBUROC4_ERR_CLOSED);
         EXPECT_EQ(roburoc4_pump_read_samples(pump_, &reader, &sample, 1), ROBUROC4_ERR_CLOSED);
         EXPECT_EQ(roburoc4_pump_take_events(pump_, &reader), ROBUROC4_ERR_CLOSED);
+        char text[8];
+        roburoc4_move move{};
+        EXPECT_EQ(roburoc4_pump_description(pump_, -1, 0, text, 8), ROBUROC4_ERR_CLOSED);
+        EXPECT_EQ(roburoc4_pump_move(pump_, &move), ROBUROC4_ERR_CLOSED);
         roburoc4_pump_request_stop(pump_);
         run_exit_handlers(); /* not _exit() */
     });
@@ -652,6 +726,16 @@ TEST_F(Pump, AForkedChildHasNoPumpAndTheParentDrivesOn) {
     EXPECT_EQ(robot_->commands.size(), commands) << "the child sent nothing";
     drive_on();
     EXPECT_EQ(roburoc4_pump_running(pump_), 1);
+}
+
+TEST_F(Pump, AForkedChildMayDestroyWhatIsLocked) {
+    pump_ = roburoc4_pump_create(nullptr, nullptr, 0, nullptr, nullptr);
+    in_child([&] { roburoc4_pump_destroy(pump_); });
+    EXPECT_EQ(sys.parents_locks_taken, 0);
+    EXPECT_EQ(sys.wakes, 0);
+    EXPECT_EQ(sys.locks + sys.signals, 2) << "which may be in any state";
+    pump_ = nullptr;
+    begin();
 }
 
 TEST_F(Pump, AForkedChildThatExitsStopsOnlyItsOwnRobot) {
@@ -736,6 +820,15 @@ TEST_F(Pump, ASlowReaderLosesTheOldestAndLearnsHowMany) {
     EXPECT_EQ(samples[0].sequence, slow.lost + 10);
     EXPECT_EQ(roburoc4_pump_read_samples(pump_, &slow, samples, 100), 0);
     EXPECT_EQ(newest.lost, 0u);
+    const uint64_t lost = slow.lost, read = slow.next_sample;
+    sleep_ms(2000);
+    EXPECT_EQ(roburoc4_pump_read_samples(pump_, &slow, samples, 1), 1);
+    EXPECT_EQ(slow.lost, lost + samples[0].sequence - read);
+    roburoc4_pump_reader_init(pump_, &slow);
+    EXPECT_EQ(slow.lost, 0u);
+    slow.next_sample += 1000; /* of another pump */
+    EXPECT_EQ(roburoc4_pump_wait_samples(pump_, &slow, 0), 0);
+    EXPECT_EQ(roburoc4_pump_read_samples(pump_, &slow, samples, 100), 0);
 }
 
 TEST_F(Pump, ASampleHasTheTimeOfItsMeasurementUnlessThatIsTenSecondsAgo) {
@@ -792,6 +885,13 @@ TEST_F(Pump, EventsAreTakenByEachReaderForItself) {
 }
 
 TEST_F(Pump, KeepsTheRobotsTexts) {
+    sys.rewrites = [](Bytes &datagram) {
+        const std::string name = "Rear bumper";
+        const auto found = std::search(datagram.begin(), datagram.end(), name.begin(), name.end());
+        if (found != datagram.end()) {
+            datagram.resize(datagram.size() + 60, 'x'); /* longer than what is kept */
+        }
+    };
     create();
     char text[ROBUROC4_PUMP_DESCRIPTION_SIZE];
     const auto description = [&](int32_t kind, uint32_t index, size_t capacity = sizeof text) {
@@ -814,6 +914,8 @@ TEST_F(Pump, KeepsTheRobotsTexts) {
     EXPECT_EQ(description(-1, ROBUROC4_SERVICE_BATTERY, 7), ROBUROC4_ERR_BUFFER);
     EXPECT_EQ(description(ROBUROC4_IO_DIGITAL_INPUT, 0), 12);
     EXPECT_STREQ(text, "Front bumper");
+    EXPECT_EQ(description(ROBUROC4_IO_DIGITAL_INPUT, 1), ROBUROC4_PUMP_DESCRIPTION_SIZE - 1);
+    EXPECT_EQ(text, "Rear bumper" + std::string(52, 'x'));
     EXPECT_EQ(description(-2, 0), ROBUROC4_ERR_ARGUMENT);
     EXPECT_EQ(description(4, 0), ROBUROC4_ERR_ARGUMENT);
     EXPECT_EQ(description(-1, ROBUROC4_MAX_SERVICES), ROBUROC4_ERR_INDEX);
@@ -828,13 +930,54 @@ TEST_F(Pump, WhatTheSystemRefusesLeavesNothingBehind) {
         *fails = true;
         EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, nullptr, &result), nullptr);
         EXPECT_EQ(result, ROBUROC4_ERR_SYSTEM);
+        EXPECT_TRUE(errno == EAGAIN || !sys.thread_fails) << "why";
         EXPECT_EQ(sys.locks + sys.signals + sys.wakes + sys.threads + sys.sockets, 0);
         *fails = false;
     }
     sys.socket_fault = ROBUROC4_FAULT_DENIED;
     EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, nullptr, &result), nullptr);
     EXPECT_EQ(result, ROBUROC4_ERR_SYSTEM);
+    sys.lock_fails = true;
+    EXPECT_EQ(roburoc4_pump_create(nullptr, nullptr, 0, nullptr, &result), nullptr);
+    EXPECT_EQ(result, ROBUROC4_ERR_SYSTEM);
+    for (const int allocations : {0, 1}) {
+        sys.allocations = allocations;
+        EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, nullptr, &result), nullptr);
+        EXPECT_EQ(result, ROBUROC4_ERR_SYSTEM);
+        EXPECT_EQ(errno, ENOMEM);
+    }
     run_exit_handlers();
+}
+
+TEST_F(Pump, RefusesInvalidArguments) {
+    roburoc4_address address{};
+    roburoc4_result result = 0;
+    EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, nullptr, &result), nullptr);
+    EXPECT_EQ(result, ROBUROC4_ERR_ARGUMENT);
+    for (const uint32_t limit :
+         {uint32_t{ROBUROC4_PUMP_QUEUE_MIN}, uint32_t{ROBUROC4_PUMP_QUEUE_MAX}}) {
+        roburoc4_pump_destroy(roburoc4_pump_create(nullptr, nullptr, limit, nullptr, &result));
+        EXPECT_EQ(result, ROBUROC4_OK);
+        const uint32_t beyond = limit == ROBUROC4_PUMP_QUEUE_MIN ? limit - 1 : limit + 1;
+        EXPECT_EQ(roburoc4_pump_create(nullptr, nullptr, beyond, nullptr, &result), nullptr);
+        EXPECT_EQ(result, ROBUROC4_ERR_ARGUMENT);
+    }
+    config_.lease_ms = 1;
+    address = robot_->address();
+    EXPECT_EQ(roburoc4_pump_create(&address, &config_, 0, nullptr, &result), nullptr);
+    EXPECT_EQ(result, ROBUROC4_ERR_CONFIG);
+    sys.connect_fault = ROBUROC4_FAULT_DENIED; /* broadcast */
+    EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, nullptr, nullptr), nullptr)
+        << "the result is not asked for";
+    roburoc4_pump_destroy(nullptr);
+}
+
+TEST_F(Pump, SendsFromTheLocalAddress) {
+    const roburoc4_address address = robot_->address();
+    roburoc4_address local = address;
+    local.port = 4321;
+    pump_ = roburoc4_pump_create_from(&address, &local, nullptr, 0, nullptr, nullptr);
+    EXPECT_EQ(socket_of(pump_).private_own_address.port, 4321);
 }
 
 TEST_F(Pump, WithoutAnAddressHasNeitherSocketNorThread) {
@@ -845,10 +988,65 @@ TEST_F(Pump, WithoutAnAddressHasNeitherSocketNorThread) {
     EXPECT_EQ(roburoc4_pump_running(pump_), 1);
     EXPECT_EQ(roburoc4_pump_arm(pump_, UINT32_MAX), ROBUROC4_ERR_CLOSED);
     EXPECT_EQ(roburoc4_pump_record(pump_, nullptr), ROBUROC4_ERR_CLOSED);
+    roburoc4_move move{};
+    ASSERT_EQ(roburoc4_move_by(&move, 1.0f, 0.0f, nullptr), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_move(pump_, &move), ROBUROC4_ERR_CLOSED);
     roburoc4_pump_request_stop(pump_);
     run_exit_handlers();
+    Thread waiter([&] {
+        roburoc4_pump_reader reader{};
+        EXPECT_EQ(roburoc4_pump_wait_samples(pump_, &reader, UINT32_MAX), ROBUROC4_ERR_CLOSED);
+    });
+    sleep_ms(100);
+    const uint64_t closes_us = sys.now_us;
     EXPECT_EQ(roburoc4_pump_close(pump_), ROBUROC4_OK);
     EXPECT_EQ(roburoc4_pump_running(pump_), 0);
+    waiter.join();
+    EXPECT_EQ(sys.now_us, closes_us);
+}
+
+/** A pump without a thread, whose client a world moves. */
+TEST_F(Pump, WithoutAnAddressKeepsWhatItsClientReceives) {
+    roburoc4_result result = ROBUROC4_ERR_SYSTEM;
+    roburoc4_pump *pump = roburoc4_pump_create(nullptr, nullptr, 0, nullptr, &result);
+    ASSERT_NE(pump, nullptr);
+    roburoc4_world *world = roburoc4_world_create(nullptr);
+    ASSERT_EQ(roburoc4_world_join(world, roburoc4_pump_lock(pump)), 1);
+    roburoc4_pump_unlock(pump);
+    const uint8_t *datagram = nullptr;
+    size_t size = 0;
+    while (roburoc4_world_step(world, 11000000, &datagram, &size) != 0) {
+        roburoc4_pump_lock(pump);
+        roburoc4_pump_collect(pump, datagram, size);
+        roburoc4_pump_unlock(pump);
+    }
+    roburoc4_pump_reader reader{};
+    std::vector<roburoc4_sample> samples(1000);
+    EXPECT_GT(roburoc4_pump_read_samples(pump, &reader, samples.data(), 1000), 600);
+    EXPECT_NE(roburoc4_pump_take_events(pump, &reader) & ROBUROC4_EVENT_READY, 0);
+    char text[ROBUROC4_PUMP_DESCRIPTION_SIZE];
+    EXPECT_GT(roburoc4_pump_description(pump, ROBUROC4_IO_DIGITAL_INPUT, 0, text, sizeof text), 0);
+    EXPECT_STREQ(text, "Front bumper");
+    EXPECT_EQ(roburoc4_pump_running(pump), 1);
+    EXPECT_EQ(roburoc4_pump_close(pump), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_running(pump), 0);
+    EXPECT_EQ(roburoc4_pump_read_samples(pump, &reader, samples.data(), 1000), ROBUROC4_ERR_CLOSED);
+    roburoc4_client *client = roburoc4_pump_lock(pump);
+    EXPECT_EQ(roburoc4_client_state(client), ROBUROC4_STATE_READY);
+    roburoc4_sample latest;
+    for (uint32_t service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
+        EXPECT_EQ(roburoc4_sample_latest(client, service, &latest), ROBUROC4_OK);
+        EXPECT_EQ(latest.service, service);
+        EXPECT_GT(latest.robot_cycles, 0U);
+        EXPECT_GT(latest.host_us, 0U);
+        EXPECT_LE(latest.made_us, latest.host_us);
+        EXPECT_GT(latest.made_us + 1000000, latest.host_us);
+    }
+    EXPECT_EQ(roburoc4_sample_latest(client, ROBUROC4_SERVICE_DIRECTORY, &latest),
+              ROBUROC4_ERR_ARGUMENT);
+    roburoc4_pump_unlock(pump);
+    roburoc4_world_destroy(world);
+    roburoc4_pump_destroy(pump);
 }
 
 /* ---------------------------------------------------------------------- many at a time --- */

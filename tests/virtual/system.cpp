@@ -303,6 +303,9 @@ void deliver(int64_t handle, const Bytes &datagram) {
     const auto found = sockets.find(handle);
     if (found != sockets.end()) {
         found->second.inbox.push_back(datagram);
+        if (sys.rewrites != nullptr) {
+            sys.rewrites(found->second.inbox.back());
+        }
     }
 }
 
@@ -444,25 +447,29 @@ extern "C" {
 
 uint64_t roburoc4_udp_now_us(void) {
     count_spin();
+    errno = EINVAL; /* without CLOCK_BOOTTIME */
     return sys.now_us;
 }
 
 roburoc4_result roburoc4_os_resolve(const char *host, uint16_t port, roburoc4_address *out) {
+    const bool six = std::strcmp(host, "::1") == 0;
     const bool local = std::strcmp(host, "localhost") == 0;
-    if (!local && std::strcmp(host, "robot") != 0) {
+    if (!six && !local && std::strcmp(host, "robot") != 0) {
         return ROBUROC4_ERR_RESOLVE;
     }
     *out = roburoc4_address{};
-    out->ip[0] = local ? 127 : 10;
-    out->ip[3] = 1;
-    out->family = 4;
+    out->ip[0] = six ? 0 : local ? 127 : 10;
+    out->ip[six ? 15 : 3] = 1;
+    out->family = six ? 6 : 4;
     out->port = port;
     return ROBUROC4_OK;
 }
 
 int roburoc4_os_ip_text(const roburoc4_address *address, char *buffer, size_t capacity) {
-    const int length = std::snprintf(buffer, capacity, "%u.%u.%u.%u", address->ip[0],
-                                     address->ip[1], address->ip[2], address->ip[3]);
+    const auto &ip = address->ip;
+    const int length = address->family == 6 ? std::snprintf(buffer, capacity, "::%x", ip[15])
+                                            : std::snprintf(buffer, capacity, "%u.%u.%u.%u", ip[0],
+                                                            ip[1], ip[2], ip[3]);
     return length > 0 && static_cast<size_t>(length) < capacity;
 }
 
@@ -603,6 +610,7 @@ std::map<int64_t, std::string> open_files;
 extern "C" {
 
 int64_t roburoc4_os_file_create(const char *path) {
+    sys.creates++;
     errno = sys.create_error;
     if (sys.create_error == 0 && sys.files.count(path) != 0 && sys.streams.count(path) == 0) {
         errno = EEXIST;
@@ -812,7 +820,27 @@ void roburoc4_wake_clear(const roburoc4_wake *wake) {
     raised.at(wake->wait_on) = 0;
 }
 
-/* src/ and sim/ are compiled with this name for atexit(). */
+/* src/ and sim/ are compiled with these names of functions of the C library. */
+void *virtual_calloc(size_t count, size_t size);
+void *virtual_calloc(size_t count, size_t size) {
+    if (sys.allocations-- > 0) {
+        return std::calloc(count, size);
+    }
+    errno = ENOMEM;
+    return nullptr;
+}
+
+void *virtual_malloc(size_t size);
+void *virtual_malloc(size_t size) {
+    return virtual_calloc(1, size);
+}
+
+void virtual_free(void *pointer);
+void virtual_free(void *pointer) {
+    std::free(pointer);
+    errno = EIO; /* as old C libraries may */
+}
+
 int virtual_atexit(void (*handler)(void));
 int virtual_atexit(void (*handler)(void)) {
     exit_handlers.push_back(handler);

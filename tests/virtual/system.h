@@ -11,6 +11,7 @@
 #include "roburoc4_record.h"
 #include "roburoc4_sim.h"
 
+#include <climits>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -46,6 +47,7 @@ struct System {
     uint64_t receive_takes_us = 0, send_takes_us = 0;
     bool waits_fail = false; /* the socket cannot be waited for */
     std::vector<Bytes> sent, received;
+    std::function<void(Bytes &)> rewrites; /* what the robot sends */
     std::vector<uint64_t> sent_us, connects_us;
     int receive_calls = 0, waits = 0;
     int64_t waited_on = 0;
@@ -54,6 +56,7 @@ struct System {
 
     /* threads */
     bool lock_fails = false, signal_fails = false, wake_fails = false, thread_fails = false;
+    int allocations = INT_MAX; /* that succeed from now on */
     int locks = 0, signals = 0, wakes = 0, threads = 0, sockets = 0, files_open = 0; /* existing */
     int parents_locks_taken = 0; /* by a forked child */
     uint64_t seed = 0; /* other than 0: threads change at more places and in any order, as drawn */
@@ -61,13 +64,13 @@ struct System {
     /* the disk */
     std::map<std::string, Bytes> files;
     std::set<std::string> folders, streams;
-    int create_error = 0;
-    uint64_t disk_room = UINT64_MAX;  /* further writes fail with ENOSPC */
-    uint64_t disk_takes_us = 0;       /* for each write */
-    bool disk_hangs = false;          /* writes return once it does no more */
-    size_t largest_write = SIZE_MAX;  /* of one call */
-    int writes = 0;                   /* calls */
-    std::vector<uint64_t> written_us; /* when bytes reached the disk */
+    int create_error = 0, creates = 0; /* calls */
+    uint64_t disk_room = UINT64_MAX;   /* further writes fail with ENOSPC */
+    uint64_t disk_takes_us = 0;        /* for each write */
+    bool disk_hangs = false;           /* writes return once it does no more */
+    size_t largest_write = SIZE_MAX;   /* of one call */
+    int writes = 0;                    /* calls */
+    std::vector<uint64_t> written_us;  /* when bytes reached the disk */
 
     /* the simulator's server */
     struct Input {
