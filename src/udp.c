@@ -21,7 +21,7 @@ static uint16_t parse_port(const char *text) {
     for (; i < 5 && text[i] >= '0' && text[i] <= '9'; i++) {
         port = port * 10 + (uint32_t)(text[i] - '0');
     }
-    return i > 0 && text[i] == '\0' && port <= 65535 ? (uint16_t)port : 0;
+    return text[i] == '\0' && port <= 65535 ? (uint16_t)port : 0;
 }
 
 static int is_printable(const char *text) {

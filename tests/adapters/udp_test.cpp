@@ -192,30 +192,6 @@ TEST(Udp, ReportsWhyTheSystemRefusesAnAddress) {
     EXPECT_EQ(roburoc4_udp_close(&udp), ROBUROC4_ERR_CLOSED);
 }
 
-TEST(Udp, CanBeClosedRepeatedly) {
-    Socket robot;
-    Link link(robot.address());
-    const uint8_t *datagram;
-    size_t size;
-    EXPECT_EQ(link.udp.address.port, robot.port());
-    EXPECT_EQ(roburoc4_udp_close(&link.udp), ROBUROC4_OK);
-    EXPECT_EQ(roburoc4_udp_close(&link.udp), ROBUROC4_ERR_CLOSED);
-    EXPECT_EQ(roburoc4_udp_fd(&link.udp), -1);
-    EXPECT_EQ(link.wait(1000000), ROBUROC4_ERR_CLOSED);
-    EXPECT_EQ(roburoc4_udp_receive_one(&link.udp, &link.client, &datagram, &size),
-              ROBUROC4_ERR_CLOSED);
-    EXPECT_EQ(roburoc4_udp_transmit_all(&link.udp, &link.client), ROBUROC4_ERR_CLOSED);
-}
-
-TEST(Udp, OpensAgainWithTheAddressThatItShows) {
-    Socket robot;
-    Link link(robot.address());
-    EXPECT_EQ(roburoc4_udp_close(&link.udp), ROBUROC4_OK);
-    EXPECT_EQ(roburoc4_udp_open(&link.udp, sizeof link.udp, &link.udp.address), ROBUROC4_OK);
-    link.wait(0);
-    EXPECT_FALSE(robot.receive(5000).bytes.empty());
-}
-
 TEST(Udp, ReportsASocketThatSomebodyElseClosed) {
     Socket robot;
     Link link(robot.address(), false);
@@ -244,17 +220,6 @@ TEST(Udp, AsksForTheDirectoryOnTheFirstWait) {
     EXPECT_EQ(request.bytes[1], ROBUROC4_ACTION_GET);
     EXPECT_EQ(request.from.sin_port, link.seen_from().sin_port);
     EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_SENT), 1u);
-}
-
-TEST(Udp, ReturnsHowManyDatagramsWereUsed) {
-    Socket robot;
-    Link link(robot.address());
-    link.wait(0);
-    Received request = robot.receive(5000);
-    ASSERT_FALSE(request.bytes.empty());
-    robot.send(request.from, directory_answer(request.bytes[0]));
-    EXPECT_EQ(link.wait(5000000), 1);
-    EXPECT_EQ(service_count(&link.client), 2u);
 }
 
 TEST(Udp, ShowsEachDatagramThatItReceives) {

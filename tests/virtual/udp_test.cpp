@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <string>
 #include <utility>
@@ -115,6 +116,13 @@ TEST_F(Faults, ALinkLocalAddressOfItsOwnNeedsAZone) {
     EXPECT_EQ(roburoc4_udp_open_from(&udp_, sizeof udp_, &address_, &local), ROBUROC4_ERR_ARGUMENT);
     local.scope = 2;
     EXPECT_EQ(roburoc4_udp_open_from(&udp_, sizeof udp_, &address_, &local), ROBUROC4_OK);
+    roburoc4_udp_close(&udp_);
+    local.scope = 0;
+    local.ip[1] = 0xC0; /* of a site */
+    EXPECT_EQ(roburoc4_udp_open_from(&udp_, sizeof udp_, &address_, &local), ROBUROC4_OK);
+    roburoc4_udp_close(&udp_);
+    local.family = 4;
+    EXPECT_EQ(roburoc4_udp_open_from(&udp_, sizeof udp_, &address_, &local), ROBUROC4_ERR_ARGUMENT);
 }
 
 TEST_F(Faults, WhatWasNeverOpenedHasNoDescriptor) {
@@ -276,7 +284,34 @@ TEST_F(Faults, EveryFaultOnReceivingIsSkipped) {
     EXPECT_EQ(roburoc4_udp_receive_one(&udp_, &client_, nullptr, nullptr), ROBUROC4_UDP_DROPPED);
     EXPECT_EQ(count(ROBUROC4_UDP_COUNT_REFUSED), 2u);
     EXPECT_EQ(count(ROBUROC4_UDP_COUNT_OVERSIZED), 1u);
+    EXPECT_EQ(count(ROBUROC4_UDP_COUNT_RECEIVED), 1u);
     EXPECT_EQ(udp_.fault, uint32_t{ROBUROC4_FAULT_NONE}) << "a datagram came in";
+    size_t size = 7;
+    EXPECT_EQ(roburoc4_udp_receive_one(&udp_, &client_, nullptr, &size), ROBUROC4_UDP_NOTHING);
+    EXPECT_EQ(size, 0u);
+}
+
+TEST_F(Faults, SaysHowManyDatagramsLeftAndHowManyTheClientUsed) {
+    virtual_system::Robot robot;
+    open();
+    roburoc4_result most = 0;
+    while (roburoc4_client_state(&client_) != ROBUROC4_STATE_READY) {
+        const size_t before = sys.sent.size();
+        const roburoc4_result sent = roburoc4_udp_transmit_all(&udp_, &client_);
+        ASSERT_EQ(static_cast<size_t>(sent), sys.sent.size() - before);
+        most = std::max(most, sent);
+        virtual_system::sleep_ms(1);
+        while (roburoc4_udp_receive_one(&udp_, &client_, nullptr, nullptr) > 0) {
+        }
+    }
+    EXPECT_GT(most, 1);
+    virtual_system::sleep_ms(200);
+    roburoc4_udp_transmit_all(&udp_, &client_);
+    sys.receives = {ROBUROC4_OS_DATAGRAM}; /* which the client drops */
+    sys.received.clear();
+    const roburoc4_result used = roburoc4_udp_wait(&udp_, &client_, 0);
+    EXPECT_GT(used, 0);
+    EXPECT_EQ(static_cast<size_t>(used), sys.received.size());
 }
 
 TEST_F(Faults, FaultsWithoutEndDoNotTrapTheCaller) {
@@ -303,6 +338,18 @@ TEST_F(Faults, ABrokenSocketIsReportedAtOnce) {
     sys.receives = {ROBUROC4_OS_BROKEN};
     EXPECT_EQ(roburoc4_udp_wait(&udp_, &client_, 0), ROBUROC4_ERR_SYSTEM);
     EXPECT_EQ(udp_.system_error, 1000 + ROBUROC4_FAULT_OTHER);
+    sys.waits_fail = true;
+    EXPECT_EQ(roburoc4_udp_wait(&udp_, &client_, 1000), ROBUROC4_ERR_SYSTEM);
+}
+
+TEST_F(Faults, CanBeClosedRepeatedly) {
+    open();
+    EXPECT_EQ(roburoc4_udp_close(&udp_), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_udp_close(&udp_), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_udp_fd(&udp_), -1);
+    EXPECT_EQ(roburoc4_udp_wait(&udp_, &client_, 1000), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_udp_transmit_all(&udp_, &client_), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_udp_receive_one(&udp_, &client_, nullptr, nullptr), ROBUROC4_ERR_CLOSED);
 }
 
 TEST_F(Faults, WaitingEndsAtTheEarlierOfDeadlineAndTimeout) {
@@ -335,6 +382,9 @@ roburoc4_address some_address(uint16_t port) {
 TEST(Resolve, HasThePortOfTheTextElseTheDefault) {
     for (const auto &[text, port] : {std::pair<const char *, int>{"robot", 1},
                                      {"robot:65535", 65535},
+                                     {"::1", 1},
+                                     {"[::1]", 1},
+                                     {"[::1]:7", 7},
                                      {"[robot:", 0},
                                      {"robot:00080", 80}}) {
         roburoc4_address address{};
@@ -351,9 +401,9 @@ TEST(Resolve, HasThePortOfTheTextElseTheDefault) {
 }
 
 TEST(Resolve, RefusesTextsThatAreNotAddresses) {
-    for (const char *text :
-         {"", ":60000", "host:", "host:0", "host:65536", "host:100000", "host:-1", "host:6x", "[]",
-          "[::1", "[::1]60000", "[::1]:", "[::1]:0", "[host]:1", "a b", " 1.2.3.4", "1.2.3.4\n"}) {
+    for (const char *text : {"", ":60000", "host:", "host:0", "host:65536", "host:100000",
+                             "host:-1", "host:6x", "[]", "[::1", "[::1]60000", "[::1]:", "[::1]:0",
+                             "[host]:1", "a b", " 1.2.3.4", "1.2.3.4\n", "a\x7f"}) {
         roburoc4_address address{};
         EXPECT_EQ(roburoc4_udp_resolve(text, 1, &address), ROBUROC4_ERR_ARGUMENT) << text;
         EXPECT_EQ(address.family, 0) << text;
@@ -372,6 +422,14 @@ TEST(AddressText, NeedsRoomForItsNul) {
     EXPECT_EQ(roburoc4_udp_address_text(&address, text, 12), ROBUROC4_ERR_BUFFER);
     address.family = 5;
     EXPECT_EQ(roburoc4_udp_address_text(&address, text, sizeof text), ROBUROC4_ERR_ARGUMENT);
+    address.family = 6;
+    address.ip[15] = 9;
+    EXPECT_EQ(roburoc4_udp_address_text(&address, text, sizeof text), 8);
+    EXPECT_STREQ(text, "[::9]:80");
+    address.scope = 4;
+    EXPECT_EQ(roburoc4_udp_address_text(&address, text, 11), 10);
+    EXPECT_STREQ(text, "[::9%4]:80");
+    EXPECT_EQ(roburoc4_udp_address_text(&address, text, 10), ROBUROC4_ERR_BUFFER);
 }
 
 TEST(Udp, RefusesAnotherStructSizeAndBadAddresses) {
