@@ -312,8 +312,9 @@ static float seconds_from(uint64_t before_cycles, uint64_t cycles) {
 
 /** Count a distance and an angle; `across_m` is to the left. */
 static void cover(roburoc4_move *m, float distance_m, float across_m, float angle_rad) {
-    const float astray = m->private_covered[ANGLE] - curvature(m) * m->private_covered[LENGTH];
-    m->private_aside_m += distance_m * (astray + 0.5F * angle_rad) + across_m;
+    const float bend = curvature(m);
+    const float astray = m->private_covered[ANGLE] - bend * m->private_covered[LENGTH];
+    m->private_aside_m += distance_m * (astray + 0.5F * (angle_rad - bend * distance_m)) + across_m;
     m->private_covered[LENGTH] += distance_m;
     m->private_covered[ANGLE] += angle_rad;
     m->distance_m += distance_m;

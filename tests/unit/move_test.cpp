@@ -761,6 +761,31 @@ class MoveView : public testing::Test {
         view.pose_cycles += later_us / cycle_us;
         return roburoc4_move_step_view(&move, &view, now_us);
     }
+    /** A robot that follows at once, stepped each 10 ms until its next status. It covers so many
+     * times what is commanded. */
+    std::int32_t follow(std::uint64_t status_us = 50000, double way = 1, double turn = 1) {
+        for (std::uint64_t us = cycle_us; us <= status_us; us += cycle_us) {
+            view.sent_linear_m_s = move.linear_m_s;
+            view.sent_angular_rad_s = move.angular_rad_s;
+            const double turned = 0.01 * turn * double{move.angular_rad_s};
+            const double covered = 0.01 * way * double{move.linear_m_s};
+            x_m += covered * std::cos(theta_rad + turned / 2);
+            y_m += covered * std::sin(theta_rad + turned / 2);
+            theta_rad += turned;
+            now_us += cycle_us;
+            if (us == status_us) {
+                view.linear_m_s = static_cast<float>(way) * move.linear_m_s;
+                view.angular_rad_s = static_cast<float>(turn) * move.angular_rad_s;
+                view.x_m = x_m;
+                view.y_m = y_m;
+                view.theta_rad = theta_rad;
+                view.speed_cycles = view.pose_cycles += status_us / cycle_us;
+            }
+            roburoc4_move_step_view(&move, &view, now_us);
+        }
+        return move.result;
+    }
+    double x_m = 0, y_m = 0, theta_rad = 0;
     roburoc4_move move{};
     roburoc4_move_view view{};
     roburoc4_move_options options{};
@@ -1070,6 +1095,24 @@ TEST_F(MoveView, WayIsTheMeanOfTwoSpeedsAndThePoseIsScaled) {
     step();
     EXPECT_NEAR(0.015F, move.distance_m, 1e-4);
     EXPECT_NEAR(0.005F, move.angle_rad, 1e-4);
+}
+
+TEST_F(MoveView, AnArcIsExactHoweverSeldomItsStatusesCome) {
+    for (const std::uint64_t status_us : {50000U, 100000U, 200000U}) {
+        for (const double side : {1.0, -1.0}) {
+            x_m = y_m = theta_rad = view.x_m = view.y_m = view.theta_rad = 0;
+            options.linear_m_s = options.angular_rad_s = 1;
+            ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, static_cast<float>(pi / 2),
+                                                    static_cast<float>(side * pi / 2), &options));
+            step();
+            while (follow(status_us) == ROBUROC4_MOVE_RUNNING) {
+            }
+            EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result) << status_us;
+            EXPECT_NEAR(1, x_m, 0.003) << status_us;
+            EXPECT_NEAR(side, y_m, 0.012) << status_us;
+            EXPECT_NEAR(side * pi / 2, theta_rad, 0.006) << status_us;
+        }
+    }
 }
 
 TEST_F(MoveView, ATightArcIsNoFasterThanItsTurnMayBe) {
