@@ -592,9 +592,6 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
         m->private_bumpers = AHEAD | ASTERN;
     }
     const bool rest = m->private_kind == REST;
-    if (!rest && !v->armed) {
-        return ROBUROC4_MOVE_RUNNING; /* the reason ends it */
-    }
     const int32_t unseen = rest ? ROBUROC4_MOVE_RUNNING : blocked(m, v);
     if (unseen != ROBUROC4_MOVE_RUNNING || v->speed_cycles == 0 ||
         (to_place(m) && v->pose_cycles == 0)) {

@@ -14,6 +14,7 @@
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "client_bench.h"
 #include "roburoc4_sim.h"
@@ -341,11 +342,30 @@ TEST_F(Move, AManyTimesSteppedMoveIsTheSame) {
 TEST_F(Moving, TheRobotsOwnAccelerationsCountWhereLower) {
     robot_config.max_linear_m_s2 = 0.2F;
     robot_config.min_linear_m_s2 = -0.2F;
+    robot_config.max_linear_m_s = 0.5F;
+    robot_config.min_linear_m_s = -0.4F;
     connect_and_arm();
     options.linear_m_s = 1.0F;
     ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(2.0F));
     EXPECT_NEAR(2.0, ahead(), 0.02);
     EXPECT_LT(most_reached, 2.04);
+    EXPECT_LE(most_linear, 0.4 + 1e-6) << "the lower one of both ways";
+}
+
+TEST_F(Moving, LimitsAndOdometryOfARobotThatCountsTwiceAreHalf) {
+    robot_config.max_linear_m_s2 = 0.4F;
+    robot_config.min_linear_m_s2 = -0.4F;
+    robot_config.max_angular_rad_s = 0.4F;
+    robot_config.min_angular_rad_s = -0.4F;
+    config.scale_linear = config.scale_angular = 2;
+    connect_and_arm();
+    options.linear_m_s = options.angular_rad_s = 0.5F;
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(1.0F));
+    EXPECT_NEAR(2.0, ahead(), 0.02) << "as the robot counts";
+    EXPECT_LT(most_reached, 2.04);
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(1.0));
+    EXPECT_NEAR(2.0, turned(), 2 * degree);
+    EXPECT_LE(most_angular, 0.2 + 1e-6);
 }
 
 TEST_F(Moving, CeilingsAndLimitsBoundAMove) {
@@ -572,6 +592,9 @@ TEST_F(Moving, AMoveNeverArms) {
     pass(2 * second);
     EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, straight(1.0F));
     EXPECT_EQ(ROBUROC4_ERR_DISARMED, move.cause);
+    roburoc4_facts facts;
+    roburoc4_client_facts(&client, now(), ROBUROC4_SIZED(&facts));
+    EXPECT_EQ(0, facts.stopping) << "nor does its end stop what others drive";
     EXPECT_EQ(0U, state().nonzero_speed_commands);
 }
 
@@ -710,6 +733,10 @@ TEST_F(Move, BadArgumentsAreRefused) {
     EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, roburoc4_move_to_point(&move, 0, no_number, nullptr));
     EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE,
               roburoc4_move_to_pose(&move, 0, 0, std::numeric_limits<double>::infinity(), nullptr));
+    roburoc4_move_options many = options;
+    many.turns = 1;
+    EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, roburoc4_move_to_point(&move, no_number, 0, &many));
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, move.result);
     for (float roburoc4_move_options::*field :
          {&roburoc4_move_options::linear_m_s, &roburoc4_move_options::angular_rad_s,
           &roburoc4_move_options::linear_m_s2, &roburoc4_move_options::angular_rad_s2}) {
@@ -733,11 +760,14 @@ TEST_F(Move, OptionsOfAnotherSizeAreRefused) {
 }
 
 TEST_F(Move, APointTooFarAwayIsRefused) {
-    for (const bool aside : {false, true}) {
-        ASSERT_EQ(ROBUROC4_OK,
-                  roburoc4_move_to_point(&move, aside ? 0 : 1e9, aside ? 1e9 : 0, nullptr));
-        EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, go());
-        EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, move.cause);
+    /* some are near where numbers overflow */
+    for (const double far_m : {65536.0, 1e9, -std::exp2(48), std::exp2(53), -1e20, 1e300}) {
+        for (const bool aside : {false, true}) {
+            ASSERT_EQ(ROBUROC4_OK,
+                      roburoc4_move_to_point(&move, aside ? 0 : far_m, aside ? far_m : 0, nullptr));
+            EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, go()) << far_m;
+            EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, move.cause) << far_m;
+        }
     }
 }
 
@@ -775,7 +805,7 @@ class MoveView : public testing::Test {
             now_us += cycle_us;
             if (us == status_us) {
                 view.linear_m_s = static_cast<float>(way) * move.linear_m_s;
-                view.angular_rad_s = static_cast<float>(turn) * move.angular_rad_s;
+                view.angular_rad_s = static_cast<float>(turn) * move.angular_rad_s + turning_rad_s;
                 view.x_m = x_m;
                 view.y_m = y_m;
                 view.theta_rad = theta_rad;
@@ -786,6 +816,7 @@ class MoveView : public testing::Test {
         return move.result;
     }
     double x_m = 0, y_m = 0, theta_rad = 0;
+    float turning_rad_s = 0; /* not commanded */
     roburoc4_move move{};
     roburoc4_move_view view{};
     roburoc4_move_options options{};
@@ -833,6 +864,84 @@ TEST_F(MoveView, AMoveToAPointWaitsASecondForThePose) {
     EXPECT_EQ(ROBUROC4_MOVE_LOST, roburoc4_move_step_view(&move, &view, now_us + second + 1));
 }
 
+TEST_F(MoveView, AMoveToAPointDoesNotTurnBeforeItSeesAhead) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, 0, 1, nullptr));
+    view.front_known = 0;
+    for (int i = 0; i < 10; i++) {
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        EXPECT_EQ(0, move.angular_rad_s);
+    }
+    EXPECT_EQ(ROBUROC4_MOVE_NO_FRONT_TELEMETER, step(second));
+}
+
+TEST_F(MoveView, ItTurnsTheShortWayAndTheScaledWay) {
+    view.theta_rad = 3;
+    view.true_per_pose_m = 2;
+    view.true_per_pose_rad = 0.5F;
+    theta_rad = 3;
+    ASSERT_EQ(ROBUROC4_OK,
+              roburoc4_move_to_point(&move, 5 * std::cos(-3), 5 * std::sin(-3), nullptr));
+    step();
+    EXPECT_NEAR(0.5 * (2 * pi - 6), move.remaining_rad, 1e-3);
+    ASSERT_EQ(ROBUROC4_OK,
+              roburoc4_move_to_point(&move, 3 * std::cos(3), 3 * std::sin(3), nullptr));
+    while (move.remaining_m == 0 && step() == ROBUROC4_MOVE_RUNNING) {
+    }
+    EXPECT_NEAR(6, move.remaining_m, 1e-3);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_pose(&move, 0, 0, -3, nullptr));
+    step();
+    EXPECT_NEAR(0.5 * (2 * pi - 6), move.remaining_rad, 1e-3);
+}
+
+TEST_F(MoveView, ALegIsAsGoodAsAMoveOfItsOwn) {
+    std::vector<float> speeds[2]; /* of the last turn, as the last leg and alone */
+    for (const bool alone : {false, true}) {
+        theta_rad = view.theta_rad = 0;
+        x_m = view.x_m = alone ? 1 : 0;
+        ASSERT_EQ(ROBUROC4_OK, alone ? roburoc4_move_by(&move, 0, -1, nullptr)
+                                     : roburoc4_move_to_pose(&move, 1, 0, -1, nullptr));
+        step();
+        while (follow(50000, 1.2, 1.2) == ROBUROC4_MOVE_RUNNING) {
+            if (x_m > 0.9 && (!speeds[alone].empty() || std::fabs(move.angular_rad_s) > 0.01F))
+                speeds[alone].push_back(move.angular_rad_s);
+        }
+        EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result);
+    }
+    ASSERT_NEAR(static_cast<double>(speeds[0].size()), static_cast<double>(speeds[1].size()), 1);
+    for (std::size_t i = 0; i < std::min(speeds[0].size(), speeds[1].size()); i++)
+        EXPECT_NEAR(speeds[0][i], speeds[1][i], 0.051) << i;
+}
+
+TEST_F(MoveView, AnArcEndsWithATurnWhereItsAngleIsMissed) {
+    options.angular_rad_s = 1;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0.2F, 1.5F, &options));
+    step();
+    while (follow(50000, 1, 0.9) == ROBUROC4_MOVE_RUNNING) {
+    }
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result);
+    EXPECT_NEAR(1.5, theta_rad, 0.0175 + 0.01);
+}
+
+TEST_F(MoveView, AnInhibitedRobotEndsIt) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    view.inhibited = 1;
+    EXPECT_EQ(ROBUROC4_MOVE_INHIBITED, step());
+}
+
+TEST_F(MoveView, ALineIsNotReachedWhileTheRobotTurns) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0.3F, 0, nullptr));
+    step();
+    for (int i = 0; i<20; i += x_m> 0.25) {
+        turning_rad_s = x_m > 0.25 ? 0.2F : 0;
+        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, follow());
+    }
+    turning_rad_s = 0;
+    for (int i = 0; i < 20 && follow() == ROBUROC4_MOVE_RUNNING; i++) {
+    }
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result);
+}
+
 TEST_F(MoveView, BumpersThatAreNotKnownMustBeRenounced) {
     for (const bool front : {true, false}) {
         view.front_bumper_known = !front;
@@ -862,7 +971,17 @@ TEST_F(MoveView, ALongWayHasTime) {
     options.linear_m_s = 0.001F;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 10000, 0, &options));
     EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
-    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step(3000000 * second)) << "a month later";
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step(5000000 * second)) << "two months later";
+    options.timeout_ms = 4294968; /* more microseconds than 32 bits hold */
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 10000, 0, &options));
+    for (int i = 0; i < 5; i++)
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_for(&move, 0.3F, 0, 4294968, nullptr));
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step(300000)) << "held up before its time began";
+    for (int i = 0; i < 5; i++)
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    EXPECT_NEAR(5 * 0.05F * 0.5F, move.linear_m_s, 0.001);
 }
 
 TEST_F(MoveView, ASpeedThatIsNoNumberCountsAsNone) {
@@ -875,17 +994,19 @@ TEST_F(MoveView, ASpeedThatIsNoNumberCountsAsNone) {
 }
 
 TEST_F(MoveView, AccelerationsThatTheRobotDoesNotReportLimitNothing) {
-    const auto speed_with = [&](float most) {
-        view.max_linear_m_s2 = view.max_angular_rad_s2 = most;
-        EXPECT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
-        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
-        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
-        return move.linear_m_s;
-    };
-    const float unlimited = speed_with(100);
-    EXPECT_LT(speed_with(0.1F), unlimited);
-    for (const float most : {0.0F, -1.0F, std::numeric_limits<float>::quiet_NaN()})
-        EXPECT_EQ(unlimited, speed_with(most)) << most;
+    for (const float turn : {0.0F, 1.0F}) {
+        const auto speed_with = [&](float most) {
+            view.max_linear_m_s2 = view.max_angular_rad_s2 = most;
+            EXPECT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1 - turn, turn, nullptr));
+            EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+            EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+            return move.linear_m_s + move.angular_rad_s;
+        };
+        const float unlimited = speed_with(100);
+        EXPECT_LT(speed_with(0.1F), unlimited);
+        for (const float most : {0.0F, -1.0F, std::numeric_limits<float>::quiet_NaN()})
+            EXPECT_EQ(unlimited, speed_with(most)) << most;
+    }
 }
 
 TEST_F(MoveView, APoseWhereTheRobotStandsIsATurn) {
@@ -914,8 +1035,9 @@ TEST_F(MoveView, ADistanceThatIsNoNumberIsAnObstacle) {
 }
 
 TEST_F(MoveView, HoweverFarItStraysItTurnsBackWithinTheLimit) {
+    options.angular_rad_s = 0.06F;
     for (const float side : {1.0F, -1.0F}) {
-        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 10, 0, nullptr));
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 10, 0, &options));
         view.pose_cycles = 0;
         float most = 0;
         for (int i = 0; i < 200 && move.result == ROBUROC4_MOVE_RUNNING; i++) {
@@ -943,6 +1065,12 @@ TEST_F(MoveView, ItReturnsToItsLineForwardAndBackward) {
         step();
         ASSERT_EQ(ROBUROC4_MOVE_RUNNING, move.result);
         EXPECT_LT(way_m * move.angular_rad_s, -0.01F) << way_m;
+        for (int i = 0; i < 9; i++) {
+            view.y_m += 0.1;
+            step();
+        }
+        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, move.result);
+        EXPECT_NEAR(std::fabs(move.angular_rad_s), 0.4F * 0.2F, 0.005F) << "not at right angles";
     }
 }
 
@@ -980,19 +1108,23 @@ TEST_F(MoveView, AfterAProgramWasHeldUpTheSpeedGoesOnFromWhereItWas) {
 }
 
 TEST_F(MoveView, ARobotMayFollowTwoSecondsLateAndNotFour) {
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 3, 0, nullptr));
     view.pose_cycles = 0;
-    std::uint64_t moved_us = 0;
-    while (move.result == ROBUROC4_MOVE_RUNNING && moved_us < 5 * second) {
-        now_us += 50000;
-        view.speed_cycles += 5;
-        view.sent_linear_m_s = move.linear_m_s;
-        roburoc4_move_step_view(&move, &view, now_us);
-        moved_us += move.linear_m_s > 0 ? 50000 : 0;
+    for (const int rolled : {0, 20}) { /* steps, before that */
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 3, 0, nullptr));
+        view.linear_m_s = rolled != 0 ? 0.5F : 0;
+        std::uint64_t moved_us = 0;
+        for (int i = 0; move.result == ROBUROC4_MOVE_RUNNING && moved_us < 5 * second; i++) {
+            now_us += 50000;
+            view.speed_cycles += 5;
+            view.linear_m_s = i < rolled ? view.linear_m_s : 0;
+            view.sent_linear_m_s = i == 0 ? 0 : i < rolled ? 2 : move.linear_m_s;
+            roburoc4_move_step_view(&move, &view, now_us);
+            moved_us += i >= rolled && move.linear_m_s > 0 ? 50000 : 0;
+        }
+        EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, move.result);
+        EXPECT_GT(moved_us, 2350000U) << rolled;
+        EXPECT_LT(moved_us, 4 * second) << rolled;
     }
-    EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, move.result);
-    EXPECT_GT(moved_us, 2350000U);
-    EXPECT_LT(moved_us, 4 * second);
 }
 
 TEST_F(MoveView, ASecondWithoutSpeedsEndsAMoveThatHasNoPose) {
@@ -1029,16 +1161,19 @@ TEST_F(MoveView, BeginsWithTheSpeedThatIsCommandedAndSlowsDown) {
 TEST_F(MoveView, WaitsUntilARobotThatRollsStands) {
     for (const bool turns : {false, true}) {
         (turns ? view.angular_rad_s : view.linear_m_s) = 0.5F;
+        view.y_m = 0;
         ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
         for (int i = 0; i < 6; i++) {
             ASSERT_EQ(ROBUROC4_MOVE_RUNNING, step()) << turns;
             ASSERT_EQ(0, move.linear_m_s);
             ASSERT_EQ(0, move.angular_rad_s);
+            view.y_m = 0.1;
         }
         view.linear_m_s = view.angular_rad_s = 0;
         for (int i = 0; i < 4; i++)
             ASSERT_EQ(ROBUROC4_MOVE_RUNNING, step());
         EXPECT_GT(move.linear_m_s, 0) << turns;
+        EXPECT_EQ(0, move.angular_rad_s) << "its line begins where it stands";
     }
 }
 
@@ -1064,6 +1199,13 @@ TEST_F(MoveView, APoseThatJumpsAnyWayEndsIt) {
         (way == 0 ? view.x_m : way == 1 ? view.y_m : view.theta_rad) = 0.5;
         EXPECT_EQ(ROBUROC4_MOVE_RELOCALIZED, step()) << way;
     }
+    view.x_m = view.y_m = view.theta_rad = 0;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2, 0, nullptr));
+    step();
+    step();
+    view.x_m = 0.2; /* the robot's speed explains it */
+    view.linear_m_s = view.sent_linear_m_s = 0.8F;
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step(240000));
 }
 
 TEST_F(MoveView, ARobotThatNeverRestsEndsTheWaitForItAfterFiveSeconds) {
@@ -1188,16 +1330,44 @@ TEST(MoveOfAClient, UsesNoPoseThatIsInvalidOrNoNumber) {
     }
 }
 
+TEST(MoveOfAClient, APoseThatIsSeenIsNotScaled) {
+    for (const bool seen : {false, true}) {
+        roburoc4_tests::ScriptedRobot robot;
+        robot.service(ROBUROC4_SERVICE_LOCALIZATION).mute = true;
+        roburoc4_config config = roburoc4_tests::default_config();
+        config.scale_angular = 2;
+        roburoc4_tests::Bench bench(robot, config);
+        bench.armed();
+        roburoc4_localization_status pose{};
+        pose.flags = seen ? ROBUROC4_LOCALIZATION_EXTEROCEPTIVE : 0;
+        pose.robot_cycles = robot.cycles();
+        pose.service = ROBUROC4_SERVICE_LOCALIZATION;
+        robot.say(roburoc4_tests::encoded([&pose](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_localization_status(b, n, &pose);
+        }));
+        bench.pump();
+        roburoc4_move move;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, 0, 1, nullptr));
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step(&move, &bench.client, bench.now_us));
+        EXPECT_NEAR(seen ? pi / 2 : pi / 4, move.remaining_rad, 1e-3);
+    }
+}
+
 TEST(MoveOfAClient, WhatATelemeterSeesBesideOrBehindIsNoObstacle) {
     const std::tuple<float, float, std::int32_t> rows[] = {
         {1.0F, 1.57F, ROBUROC4_MOVE_RUNNING},  {-1.0F, -1.57F, ROBUROC4_MOVE_RUNNING},
         {1.0F, 3.14F, ROBUROC4_MOVE_RUNNING},  {-1.0F, 0, ROBUROC4_MOVE_RUNNING},
         {1.0F, 0, ROBUROC4_MOVE_OBSTACLE},     {-1.0F, 3.14F, ROBUROC4_MOVE_OBSTACLE},
+        {1.0F, 1.0F, ROBUROC4_MOVE_OBSTACLE},  {-1.0F, -2.2F, ROBUROC4_MOVE_OBSTACLE},
         {1.0F, 6.28F, ROBUROC4_MOVE_OBSTACLE}, {-1.0F, 9.42F, ROBUROC4_MOVE_OBSTACLE}};
     for (const auto &[way_m, theta_rad, result] : rows) {
         roburoc4_tests::ScriptedRobot robot;
         robot.telemeters[0].theta_rad = theta_rad;
         robot.distances[0] = 0.1F;
+        if (result == ROBUROC4_MOVE_OBSTACLE) { /* the nearest one counts */
+            robot.telemeters[1].theta_rad = theta_rad;
+            robot.distances[1] = 9;
+        }
         roburoc4_tests::Bench bench(robot);
         bench.armed();
         roburoc4_move move;
