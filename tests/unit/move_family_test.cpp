@@ -203,6 +203,13 @@ TEST_F(MoveFault, WithoutAnyTelemeterInItsDirectionItDoesNotBegin) {
     }
 }
 
+TEST_F(MoveFault, WithoutABumperOfItsOwnItDoesNotBegin) {
+    rig.robot.texts[0] = "Something else";
+    arm();
+    EXPECT_EQ(ROBUROC4_MOVE_NO_FRONT_BUMPER, by(0.3F, 0));
+    EXPECT_NEAR(0, drove(), 0.001);
+}
+
 TEST_F(MoveFault, WithoutADistanceBehindItMovesOnlyAhead) {
     rig.robot.distances = 1;
     arm();
@@ -268,6 +275,7 @@ TEST_F(MoveFault, DegreesAndSpeedsBeyondAnyRobotAreRefused) {
     EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_by(&move, 0, 90, &options));
     EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_to_pose(&move, 0, 0, 90, &options));
     EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_for(&move, 300, 0, 1000, &options));
+    EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_for(&move, 0, 90, 1000, &options));
     options.linear_m_s = 100;
     EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_by(&move, 1, 0, &options));
     options.linear_m_s = 1.1F;

@@ -357,12 +357,15 @@ TEST_F(Moving, LimitsAndOdometryOfARobotThatCountsTwiceAreHalf) {
     robot_config.min_linear_m_s2 = -0.4F;
     robot_config.max_angular_rad_s = 0.4F;
     robot_config.min_angular_rad_s = -0.4F;
+    robot_config.max_linear_m_s = 0.6F;
+    robot_config.min_linear_m_s = -0.6F;
     config.scale_linear = config.scale_angular = 2;
     connect_and_arm();
     options.linear_m_s = options.angular_rad_s = 0.5F;
     ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(1.0F));
     EXPECT_NEAR(2.0, ahead(), 0.02) << "as the robot counts";
     EXPECT_LT(most_reached, 2.04);
+    EXPECT_LE(most_linear, 0.3 + 1e-6);
     ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(1.0));
     EXPECT_NEAR(2.0, turned(), 2 * degree);
     EXPECT_LE(most_angular, 0.2 + 1e-6);
@@ -450,6 +453,10 @@ TEST_F(Moving, RestNeedsNoArming) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, go());
     EXPECT_EQ(0U, state().nonzero_speed_commands);
+    roburoc4_sim_set(robot(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 1);
+    pass(second);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
+    EXPECT_EQ(ROBUROC4_MOVE_OVERRIDE, go()) << "the pad drives";
 }
 
 /* ------------------------------------------------------------------------------------ ways out */
@@ -494,6 +501,8 @@ TEST_F(Move, ACancelledMoveStopsTheRobot) {
     EXPECT_EQ(ROBUROC4_MOVE_CANCELLED,
               interrupted_by([&] { roburoc4_move_cancel(&move, &client, now()); }));
     expect_stopped();
+    pass(second);
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, roburoc4_move_step(&move, &client, now()));
     EXPECT_EQ(0, move.linear_m_s);
 }
 
@@ -920,6 +929,7 @@ TEST_F(MoveView, AnArcEndsWithATurnWhereItsAngleIsMissed) {
     }
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result);
     EXPECT_NEAR(1.5, theta_rad, 0.0175 + 0.01);
+    EXPECT_NEAR(0.2F, move.distance_m, 0.01F) << "of all legs";
 }
 
 TEST_F(MoveView, AnInhibitedRobotEndsIt) {

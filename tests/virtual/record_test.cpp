@@ -176,6 +176,9 @@ TEST_F(Record, CloseWritesWhatIsLeftAndTheStatistics) {
     EXPECT_EQ(time_at(bytes.size() - kStatistics + 24), begun_us);
     EXPECT_TRUE(std::all_of(&bytes[16], &bytes[24], [](uint8_t byte) { return byte == 0xFF; }))
         << "no length of the section";
+    EXPECT_EQ(Bytes(&bytes[12], &bytes[16]), (Bytes{1, 0, 0, 0})) << "the format's version";
+    const std::string program = "roburoc4 " + std::to_string(ROBUROC4_VERSION_MAJOR) + ".";
+    EXPECT_TRUE(std::equal(program.begin(), program.end(), &bytes[28]));
 }
 
 /* ------------------------------------------------------------------------------- a full disk */
@@ -487,7 +490,7 @@ TEST_F(Record, ANameThatIsTooLongIsRefused) {
     const std::string longest(ROBUROC4_RECORDER_PATH_SIZE - 1, 'a');
     EXPECT_EQ((open(longest.c_str()), state().path), longest);
     close();
-    const std::string folder = longest.substr(9);  /* with its file's name it is too long */
+    const std::string folder = longest.substr(32); /* with its file's name it is too long */
     const std::string second = longest.substr(33); /* with its second file's */
     sys.folders = {folder, second};
     sys.files[second + "/roburoc4-20260102T030406Z.pcapng"];
@@ -610,6 +613,7 @@ TEST_F(Record, EveryChecksumHoldsAndNoneOfIPv6IsZero) {
             const Bytes &ip = datagram.ip;
             const Bytes addresses(ip.begin() + static_cast<std::ptrdiff_t>(ips),
                                   ip.begin() + static_cast<std::ptrdiff_t>(header));
+            ASSERT_TRUE(std::equal(there_.ip, there_.ip + addresses.size() / 2, addresses.begin()));
             if (family == 4) {
                 ASSERT_EQ(folded(sum_of(Bytes(ip.begin(), ip.begin() + 20), 0)), 0xFFFFu);
                 ASSERT_EQ(ip[9], 17);
