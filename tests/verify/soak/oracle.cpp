@@ -221,7 +221,9 @@ void Oracle::armed(Moment now, std::int32_t result) {
     const auto drivable = [](const RobotTruth &robot) { return robot.differential_id != 0; };
     if (std::none_of(robots_.begin() + required_boot_, robots_.end(), drivable))
         violate(Promise::arming_conditions, now.true_us, "armed without a differential service");
-    const bool settled = !speed_out_ && now.true_us - last_speed_us_ > 5000000;
+    /* else it has older statuses only, which judge_fresh() knows of */
+    const bool settled = !speed_out_ && now.true_us - last_speed_us_ > 5000000 &&
+                         now.true_us - newest_[differential].made_us < 1000000;
     if (!armed_ && settled &&
         (std::fabs(reported_current_.v) > 0.101F || std::fabs(reported_current_.w) > 0.201F ||
          std::fabs(reported_target_.v) > 0.05F || std::fabs(reported_target_.w) > 0.05F))
@@ -441,7 +443,8 @@ void Oracle::speed_sent(Moment now, Speeds speeds) {
                 "the speed " + speeds_text(speeds) + " left without a lease");
     judge_value(now, speeds);
     judge_fresh(now, "a speed left");
-    if (pad_a_held_ && ages_judged_ && !(unknown_allowed() && judged_index() < 0) &&
+    const bool hidden = required_boot_ + 1 < robots_.size(); /* of a start that it cannot notice */
+    if (pad_a_held_ && !hidden && ages_judged_ && !(unknown_allowed() && judged_index() < 0) &&
         now.true_us - pad_a_us_ > milliseconds(config_.fresh_ms) + tolerance_us(now))
         violate(now.true_us - newest_[iocard].made_us > milliseconds(config_.fresh_ms)
                     ? Promise::fresh_by_age

@@ -415,7 +415,7 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
     judge_outcome(now, before, truth);
     judge_pose(now, report);
     /* closed before a robot was found again: no service is known that zeros could go to */
-    if (report.state == ROBUROC4_STATE_IDLE && searching(before))
+    if (report.state == ROBUROC4_STATE_IDLE && (searching(before) || !before.differential_known))
         stop_.active = speed_out_ = false;
     if (!drained)
         return;
@@ -544,7 +544,7 @@ void Oracle::judge_watch(Moment now) {
 void Oracle::judge_uplink(Moment now, const Truth &truth) {
     /* where all answers have one id, none proves when its request arrived */
     if (!armed_ || !lease_.alive || stop_.active || last_command_zero_ || truth.uplink_loses ||
-        robot_.literal_ids || config_.drive_period_ms > 100) {
+        robot_.literal_ids || report_.fixed_id || config_.drive_period_ms > 100) {
         commanding_since_us_ = now.true_us;
         return;
     }
