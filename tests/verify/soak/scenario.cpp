@@ -465,7 +465,9 @@ class Scenario {
             world_.start();
         world_.stop();
         const std::uint64_t calm_us = world_.now_us();
-        const std::uint64_t patience_us = (!friendly() ? 5 : 90) * second;
+        /* slow texts, one at a time */
+        const bool slow = plan_.literal_ids && plan_.text_us > 500000;
+        const std::uint64_t patience_us = (!friendly() ? 5 : slow ? 180 : 90) * second;
         std::int32_t result = -1;
         while (!violated() && result < 0 && world_.now_us() - calm_us < patience_us) {
             if (result == ROBUROC4_ERR_OTHER_COMMANDER) { /* a target that it left behind */

@@ -203,7 +203,7 @@ Truth World::truth() const {
     const Weather &up = to_robot_.weather();
     Truth truth;
     truth.clients_target = robot_.clients_target();
-    truth.moving = robot_.moving();
+    truth.moving = robot_.trouble().frozen ? Speeds() : robot_.moving(); /* as can be known */
     truth.newest_heard_us = robot_.newest_heard_us();
     truth.well = good(up) && good(to_client_.weather()) && !robot_.trouble().any() &&
                  !robot_.pad_a_held() && robot_.running(now_us_) && now_us_ >= others_until_us_;
