@@ -282,11 +282,11 @@ logged() {
 }
 
 # begin_beside SCRIPT: run it beside the stages that follow; its lines appear among theirs. It runs in
-# real time, so they compute only what it leaves: $aside.
+# real time, so they compute mostly what it leaves: $aside.
 # end_beside: wait for it, and fail if it failed.
 aside=
 begin_beside() {
-    aside='nice -n 19'
+    aside='nice -n 5' # on a busy machine, 19 would leave it nothing
     beside_script=$1
     # In a session of its own, so that all of it can be ended.
     ROBUROC4_BESIDE=yes env --default-signal setsid "$1" </dev/null &

@@ -339,11 +339,12 @@ def test_a_robot_that_is_off_is_waited_for(
         taken.bind(("127.0.0.1", 0))
         port = taken.getsockname()[1]
     program = launch(robot=f"127.0.0.1:{port}")
-    assert program.process.stderr is not None
-    assert "still waiting" in program.process.stderr.readline()
+    log = program.process.stderr
+    assert log is not None  # it may also say what it sees of another test's node
+    assert any("still waiting" in line for line in log)
     with roburoc4.Simulator(port=port):
         reader()
-    assert "connected" in program.process.stderr.readline()
+    assert any("connected" in line for line in log)
 
 
 def announce(listener: Participant, size: int) -> DataWriter[Any]:
