@@ -44,7 +44,7 @@ std::uint64_t Oracle::tolerance_us(Moment now) const {
     std::uint64_t unproven = 0;
     if (robot_.own_queues && unproven_us_ != UINT64_MAX)
         unproven = unproven_us_ + (now.true_us - unproven_since_us_) / 1000 + own_queue_us;
-    return cycle_us + clock_error_us_ + unproven;
+    return 2 * cycle_us + clock_error_us_ + unproven; /* the status's stamp, and another's */
 }
 
 /* ------------------------------------------------------------------ leases, arming, stopping */
