@@ -101,6 +101,8 @@ TEST_F(GateClient, ASpeedArmsAndDrivesForItsLease) {
 TEST_F(GateClient, AZeroArmsNothing) {
     EXPECT_EQ(GATE_TAKEN, drive(0.0F));
     EXPECT_FALSE(is_armed());
+    EXPECT_EQ(GATE_TAKEN, gate_drive(&gate, &client, 0, 0.3F, lease_us, now_us()));
+    EXPECT_TRUE(is_armed()) << "a turn on the spot is no zero";
     EXPECT_EQ(GATE_TAKEN, drive(0.3F));
     pass(50);
     EXPECT_EQ(GATE_TAKEN, drive(0.0F));
@@ -223,6 +225,14 @@ TEST_F(GateClient, ALapseIsAPause) {
     EXPECT_TRUE(is_armed());
     pass(50);
     EXPECT_NEAR(0.3, speed(), 1e-6);
+}
+
+TEST_F(GateClient, ACommandThatFindsTheLapseIsRefusedButThePauseIsOver) {
+    EXPECT_EQ(GATE_TAKEN, drive(0.3F));
+    pass(100);
+    const std::uint64_t later_us = now_us() + 1400 * ms; /* the client was not called meanwhile */
+    EXPECT_EQ(GATE_DISARMED, gate_drive(&gate, &client, 0.3F, 0, lease_us, later_us));
+    EXPECT_FALSE(gate_is_waiting(&gate, later_us));
 }
 
 TEST_F(GateClient, SpeedsInOtherUnitsAreRefusedAndNeverChangeTheirSign) {

@@ -344,7 +344,9 @@ TEST_F(GateWithoutAges, ForgetsTheSenderThatWasSilentLongest) {
     }
     EXPECT_EQ(GATE_TAKEN, judge(command("sender 0")));
     run(59 * second);
-    EXPECT_EQ(GATE_TAKEN, judge(command("a new program")));
+    gate_command new_one = command("a new program");
+    new_one.utime = 5;
+    EXPECT_EQ(GATE_TAKEN, judge(new_one)) << "it has no earlier utime";
     EXPECT_EQ("a new program", owner());
     run(second);
     log.erase(log.begin() + 1); /* the sender that was silent for longest: its log counts as new */
@@ -381,6 +383,22 @@ TEST_F(Gate, ForgetsSendersOnceTheirReplaysAreTooOld) {
         EXPECT_NE(GATE_TAKEN, judge(c));
 }
 
+TEST_F(Gate, RemembersASenderOfAnyKindAsLongAsAReplayMayHaveTheAge) {
+    for (const gate_kind kind : {GATE_DRIVE, GATE_RELOCALIZE, GATE_OUTPUT}) {
+        run(second);
+        gate_command first = command("sender 0");
+        first.kind = kind;
+        EXPECT_EQ(GATE_TAKEN, judge(first));
+        run(200 * ms);
+        for (int i = 1; i <= GATE_SENDERS; i++) {
+            gate_command c = command(("sender " + std::to_string(i)).c_str());
+            c.zero = true;
+            (void)judge(c);
+        }
+        EXPECT_EQ(GATE_REPEATED, judge(first)) << kind;
+    }
+}
+
 TEST_F(Gate, MoreSendersAtOnceThanItCanRememberAreRejected) {
     for (int i = 0; i < GATE_SENDERS; i++) {
         (void)judge(command(("sender " + std::to_string(i)).c_str()));
@@ -395,6 +413,8 @@ TEST_F(Gate, AfterTheClockIsSetAllMustPause) {
     ASSERT_EQ(GATE_TAKEN, judge(command()));
     const gate_time set{us(), epoch - 3600 * second};
     gate_clock_was_set(&gate, set);
+    std::size_t length = 0;
+    EXPECT_EQ(nullptr, gate_control_owner(&gate, us(), &length)) << "nobody is in control";
     gate_command c = command();
     for (std::int64_t at = 0; at <= 600 * ms; at += 50 * ms) {
         const gate_time now{set.us + static_cast<std::uint64_t>(at), set.utime + at};
@@ -476,6 +496,7 @@ TEST_F(Gate, OneSenderIsInControlUntilItsLeaseEnds) {
     EXPECT_EQ(GATE_TAKEN, judge(command("second")));
     EXPECT_EQ("second", owner());
     EXPECT_EQ(GATE_CONTROL, judge(command("first")));
+    EXPECT_EQ(GATE_CONTROL, judge(command("sec"))) << "a name that begins alike is another";
 }
 
 TEST_F(Gate, AShortLeaseEndsControlSooner) {
@@ -507,7 +528,7 @@ TEST_F(Gate, OutputsAndRelocalizationsTakeNoControl) {
     for (const gate_kind kind : {GATE_OUTPUT, GATE_RELOCALIZE}) {
         gate_command c = command("lamp");
         c.kind = kind;
-        EXPECT_EQ(GATE_TAKEN, judge(c));
+        EXPECT_EQ(GATE_TAKEN, judge(c, overridden)) << "nor need they a robot that can be armed";
         EXPECT_EQ("", owner());
     }
     EXPECT_EQ(GATE_TAKEN, judge(command("planner")));
@@ -668,6 +689,8 @@ TEST_F(Gate, AStopMayHaveNoSenderOrALongOne) {
     const std::string longer(200, 's');
     gate_stop(&gate, longer.data(), longer.size(), us());
     EXPECT_EQ(longer.substr(0, GATE_MAX_SENDER), gate.stopped_by);
+    gate_stop(&gate, "operator", 8, us());
+    EXPECT_STREQ("operator", gate.stopped_by) << "nothing is left of the longer one";
 }
 
 TEST_F(Gate, ZerosNeitherTakeNorKeepControl) {
@@ -736,9 +759,10 @@ TEST(GateStall, CommandsAfterAStallCountFromItsBeginning) {
     EXPECT_EQ(began_utime, gate_arrival(&stall, now.utime));
     EXPECT_FALSE(look_after(10 * ms, 0));
     EXPECT_EQ(began_utime, gate_arrival(&stall, now.utime)) << "queues below may be read late";
-    for (int at = 0; at < 20; at++) {
-        EXPECT_FALSE(look_after(10 * ms, 0));
-    }
+    EXPECT_FALSE(look_after(170 * ms - 1, 170 * ms));
+    EXPECT_EQ(began_utime, gate_arrival(&stall, now.utime));
+    EXPECT_EQ(began_utime - 1, gate_arrival(&stall, began_utime - 1)) << "the clock was set back";
+    EXPECT_FALSE(look_after(1, 0));
     EXPECT_EQ(now.utime, gate_arrival(&stall, now.utime)) << "they are empty after as long a time";
     const std::int64_t first_utime = now.utime;
     EXPECT_TRUE(look_after(300 * ms, 0));
@@ -760,21 +784,28 @@ TEST_F(Gate, AClockThatWasSetIsNoticedAndHolds) {
 }
 
 TEST(GateReason, EachVerdictHasItsOwn) {
-    const gate_rules rules = default_rules();
+    gate_rules rules = default_rules();
     std::set<std::string> reasons;
-    for (int verdict = GATE_MALFORMED; verdict < GATE_VERDICTS; verdict++) {
+    const auto reason = [&](int verdict) {
         char room[300];
         const gate_time now{boot, epoch};
         const std::int64_t utime = verdict == GATE_IN_FUTURE ? epoch + second : epoch - second;
         const gate_rejection rejection{static_cast<gate_verdict>(verdict), GATE_DRIVE, utime,
                                        "stamp"};
         gate_reason(room, sizeof room, &rejection, &rules, now);
-        reasons.insert(room);
-    }
+        return std::string(room);
+    };
+    for (int verdict = GATE_MALFORMED; verdict < GATE_VERDICTS; verdict++)
+        reasons.insert(reason(verdict));
     EXPECT_EQ(static_cast<std::size_t>(GATE_VERDICTS - 1), reasons.size());
-    EXPECT_EQ(1U, reasons.count("by its stamp it is 1.000 s old (--max-age-ms 200): a replayed "
-                                "log, a slow network, or clocks that differ: set both by NTP "
-                                "(--max-age-ms 0 accepts all ages, including replays)"));
+    EXPECT_EQ(
+        "by its stamp it is 1.000 s old (--max-age-ms 200): a replayed log, a slow network, or "
+        "clocks that differ: set both by NTP (--max-age-ms 0 accepts all ages, including "
+        "replays)",
+        reason(GATE_TOO_OLD));
+    EXPECT_EQ(0U, reason(GATE_IN_FUTURE).find("by its stamp it is 1.000 s in the future ("));
+    rules.max_age_us = 0;
+    EXPECT_EQ("its lease ended before it could be read", reason(GATE_TOO_OLD));
 }
 
 /* ---------------------------------------------------------------------------------- oracle --- */
