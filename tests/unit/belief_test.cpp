@@ -247,6 +247,16 @@ TEST_F(StopBelief, IsNotConfirmedWhileItsZerosAreOnTheirWay) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOPPED);
 }
 
+TEST_F(StopBelief, IsNotConfirmedByStatusesFromBeforeItsZeros) {
+    bench.delay_to_client = [] { return 240 * ms; };
+    bench.ready();
+    const std::uint64_t paused_us = bench.now_us;
+    bench.pause();
+    ASSERT_TRUE(bench.run_until(
+        [this] { return bench.facts().stop_outcome == ROBUROC4_STOP_CONFIRMED; }, second));
+    EXPECT_GE(bench.now_us, paused_us + 240 * ms);
+}
+
 /** [A] is pressed before the first zero that arrives, and the status that shows it is lost. */
 TEST_F(StopBelief, IsNotConfirmedByAStatusNewerThanTheOverrides) {
     bench.armed();
@@ -261,6 +271,11 @@ TEST_F(StopBelief, IsNotConfirmedByAStatusNewerThanTheOverrides) {
     robot.hold(true);
     ASSERT_EQ(0.0F, robot.target_linear) << "it shows the pad's target, and keeps the other";
     bench.run(170 * ms);
+    robot.press(ROBUROC4_DI_PAD_A, false);
+    const Bytes late = robot.status_at(ROBUROC4_SERVICE_IOCARD, robot.cycles() - 18);
+    robot.press(ROBUROC4_DI_PAD_A, true);
+    ASSERT_EQ(ROBUROC4_OK, bench.receive(late)) << "made before [A] was pressed";
+    bench.run(1);
     EXPECT_NE(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
     bench.drop_to_robot = bench.drop_to_client = nullptr;
     bench.run(200 * ms);
@@ -889,6 +904,22 @@ TEST(Restart, IsAssumedIfThisClockWentBackAndTheRobotsIsASecondAhead) {
     bench.run(10 * second);
     EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
+TEST(Restart, IsAssumedAfterASecondOfSilenceInWhichThisClockWentBack) {
+    roburoc4_config config = default_config();
+    config.lost_ms = 5000;
+    ScriptedRobot robot;
+    Bench bench(robot, config);
+    bench.ready();
+    robot.powered = false;
+    bench.run(700 * ms);
+    bench.skew_us -= static_cast<std::int64_t>(second);
+    bench.run(700 * ms);
+    robot.powered = true; /* its clock was set meanwhile, to about the same time */
+    robot.set_cycles(robot.cycles() - 100);
+    bench.run(100 * ms);
+    EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
 }
 
 TEST(Restart, IsNotAssumedWhereOnlyThisClockWentBack) {
