@@ -500,9 +500,34 @@ TEST(Age, IsLearntAgainAfterThisClockJumpedAhead) {
         Bench bench(robot);
         bench.ready();
         bench.skew_us += jump_ms * 1000;
+        bench.run(500 * ms);
+        robot.advance(bench.now_us += 120 * ms); /* a shorter pause is not the jump */
         bench.run(15 * second);
         EXPECT_EQ(ROBUROC4_OK, bench.arm());
     }
+}
+
+TEST(Age, IsNotLoweredByAnAnswerThatOvertookAStatus) {
+    QueueingRobot robot;
+    robot.queue_us = 200 * ms;
+    robot.answer_us = [](const Bytes &) { return 400 * ms; };
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_GE(age_us(bench), 400 * ms);
+    int count = 0;
+    robot.answer_us = [&count, id = 0](const Bytes &bytes) mutable {
+        if (bytes[1] != ROBUROC4_ACTION_GET)
+            return 200 * ms; /* a text proves nothing */
+        count += bytes[0] != id;
+        id = bytes[0];
+        return count == 3 ? 100 * second : count == 4 ? 0 : 200 * ms; /* one is lost */
+    };
+    for (int i = 0; i < 200; i++) {
+        bench.run(50 * ms);
+        ASSERT_GE(age_us(bench), 190 * ms) << i;
+    }
+    EXPECT_GT(count, 4);
+    EXPECT_LT(age_us(bench), 300 * ms) << "but by those that did not";
 }
 
 /** A slow answer bounds no age, so it must not end the search for the jumps. */

@@ -191,6 +191,17 @@ TEST(Link, CountsDuplicatesAndLateOnesAndTakesLateOnesOffTheLost) {
     EXPECT_EQ(0U, bench.service_link(differential).lost) << "one that nobody missed";
 }
 
+TEST(Link, CountsAGapToTheNearestPeriod) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    const std::uint64_t base = robot.cycles() / 5 * 5;
+    EXPECT_EQ(0, bench.receive(robot.status_at(differential, base + 7)));
+    EXPECT_EQ(0U, bench.service_link(differential).lost);
+    EXPECT_EQ(0, bench.receive(robot.status_at(differential, base + 15)));
+    EXPECT_EQ(1U, bench.service_link(differential).lost);
+}
+
 TEST(Link, AVeryLateStatusIsLateAndNotADuplicate) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();

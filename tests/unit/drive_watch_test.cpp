@@ -394,6 +394,40 @@ TEST(Inhibited, IsNoticedHoweverTheTargetsAlternate) {
         }
 }
 
+TEST(Inhibited, IsNoticedAsSoonForwardAsBackward) {
+    for (const bool moved : {false, true}) {
+        std::uint64_t noticed_us[2] = {0, 0};
+        for (const bool backward : {false, true}) {
+            Unpowered robot;
+            robot.power = moved;
+            Bench bench(robot);
+            bench.armed();
+            const float target = (moved ? 0.15F : 0.5F) * (backward ? -1.0F : 1.0F);
+            ASSERT_NO_FATAL_FAILURE(bench.driving(-target, 0, moved ? 5 * second : 800 * ms));
+            robot.power = false;
+            const std::uint64_t begun_us = bench.now_us;
+            EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(target, 0, 7 * second));
+            noticed_us[backward ? 1 : 0] = bench.now_us - begun_us;
+        }
+        EXPECT_EQ(noticed_us[0], noticed_us[1]) << moved;
+    }
+}
+
+TEST(Inhibited, IsNotEndedByAMomentOfMotion) {
+    Disobedient robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.target_linear = 0.5F; /* another commander's */
+    bench.run(2 * second);
+    ASSERT_EQ(1, bench.facts().inhibited);
+    bench.take_events();
+    robot.current_linear = 0.5F;
+    bench.run(800 * ms);
+    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_INHIBITED);
+    bench.run(second);
+    EXPECT_EQ(0, bench.facts().inhibited);
+}
+
 TEST(Inhibited, IsNoRobotTooSlowForTargetsThatAlternate) {
     for (const std::uint64_t span_us : {200 * ms, 500 * ms, 1500 * ms}) {
         SCOPED_TRACE(span_us);
