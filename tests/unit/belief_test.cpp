@@ -931,6 +931,24 @@ TEST(Restart, IsAssumedIfThisClockWentBackAndTheRobotsIsASecondAhead) {
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }
 
+TEST(Restart, IsNotHiddenByWhatIsOverheardWhileServicesAreRead) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    bench.run(10 * second);
+    robot.remove(ROBUROC4_SERVICE_BATTERY);
+    robot.service(ROBUROC4_SERVICE_TELEMETER).get_silent = true; /* so that it takes long */
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_DISCOVERING));
+    const auto subscriptions = robot.subscriptions; /* some robots keep them */
+    const std::uint64_t cycles = robot.cycles();
+    robot.reboot();
+    robot.subscriptions = subscriptions;
+    robot.set_cycles(cycles - 500);
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    bench.run(500 * ms);
+    EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
+}
+
 TEST(Restart, IsAssumedAfterASecondOfSilenceInWhichThisClockWentBack) {
     roburoc4_config config = default_config();
     config.lost_ms = 5000;

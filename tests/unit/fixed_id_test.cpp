@@ -235,6 +235,33 @@ TEST(FixedId, OtherRequestsDoNotWaitForTexts) {
     EXPECT_EQ(ROBUROC4_ACTION_INSERT, robot.requests.back().what.action);
 }
 
+TEST(FixedId, ALateTextOfTheDirectoryContradictsNoInputs) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    Bench bench(robot);
+    bench.start();
+    std::size_t count = 0;
+    const auto asked = [&robot, &count] {
+        const auto queries = robot.seen(ROBUROC4_ACTION_QUERY, ROBUROC4_SERVICE_IOCARD);
+        count = static_cast<std::size_t>(
+            std::count_if(queries.begin(), queries.end(), [](const ScriptedRobot::Request &r) {
+                return r.what.io_type == ROBUROC4_IO_DIGITAL_INPUT &&
+                       r.what.index == ROBUROC4_DI_PAD_A;
+            }));
+        return count > 0;
+    };
+    ASSERT_TRUE(bench.run_until(asked));
+    bench.run(10 * ms); /* it was answered */
+    EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive(encoded([](std::uint8_t *b, std::size_t n) {
+        return roburoc4_encode_text(b, n, ROBUROC4_HEADER_MANUAL, ROBUROC4_SERVICE_DIRECTORY,
+                                    "Battery", 7);
+    })));
+    bench.run(20 * second);
+    asked();
+    EXPECT_EQ(1U, count);
+    EXPECT_EQ(ROBUROC4_DI_PAD_A, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
+}
+
 /* ---- one request at a time ---- */
 
 namespace {
