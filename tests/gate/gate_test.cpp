@@ -737,6 +737,12 @@ TEST_F(Gate, IncidentOfAnotherSenderOrCauseIsNew) {
     EXPECT_TRUE(gate_is_incident(&gate, GATE_TOO_OLD, "one", 3, us()));
     run(second);
     EXPECT_TRUE(gate_is_incident(&gate, GATE_TOO_OLD, nullptr, 0, us()));
+    run(second);
+    EXPECT_TRUE(gate_is_incident(&gate, GATE_TOO_OLD, "longer", 6, us()));
+    run(second);
+    EXPECT_TRUE(gate_is_incident(&gate, GATE_TOO_OLD, "one", 3, us()));
+    run(second);
+    EXPECT_FALSE(gate_is_incident(&gate, GATE_TOO_OLD, "one", 3, us()));
 }
 
 /* ---------------------------------------------------------------------------------- stalls --- */
@@ -764,6 +770,11 @@ TEST(GateStall, CommandsAfterAStallCountFromItsBeginning) {
     EXPECT_EQ(began_utime - 1, gate_arrival(&stall, began_utime - 1)) << "the clock was set back";
     EXPECT_FALSE(look_after(1, 0));
     EXPECT_EQ(now.utime, gate_arrival(&stall, now.utime)) << "they are empty after as long a time";
+    EXPECT_TRUE(look_after(20 * ms, 0));
+    EXPECT_FALSE(look_after(50 * ms - 1, 50 * ms));
+    EXPECT_GT(now.utime, gate_arrival(&stall, now.utime)) << "or after 50 ms";
+    EXPECT_FALSE(look_after(1, 0));
+    EXPECT_EQ(now.utime, gate_arrival(&stall, now.utime));
     const std::int64_t first_utime = now.utime;
     EXPECT_TRUE(look_after(300 * ms, 0));
     EXPECT_TRUE(look_after(200 * ms, 0)) << "it hangs again before they are empty";
@@ -786,12 +797,12 @@ TEST_F(Gate, AClockThatWasSetIsNoticedAndHolds) {
 TEST(GateReason, EachVerdictHasItsOwn) {
     gate_rules rules = default_rules();
     std::set<std::string> reasons;
-    const auto reason = [&](int verdict) {
+    const auto reason = [&](int verdict, int kind = GATE_DRIVE, std::int64_t age_us = second) {
         char room[300];
         const gate_time now{boot, epoch};
-        const std::int64_t utime = verdict == GATE_IN_FUTURE ? epoch + second : epoch - second;
-        const gate_rejection rejection{static_cast<gate_verdict>(verdict), GATE_DRIVE, utime,
-                                       "stamp"};
+        const std::int64_t utime = verdict == GATE_IN_FUTURE ? epoch + age_us : epoch - age_us;
+        const gate_rejection rejection{static_cast<gate_verdict>(verdict),
+                                       static_cast<gate_kind>(kind), utime, "stamp"};
         gate_reason(room, sizeof room, &rejection, &rules, now);
         return std::string(room);
     };
@@ -804,6 +815,12 @@ TEST(GateReason, EachVerdictHasItsOwn) {
         "replays)",
         reason(GATE_TOO_OLD));
     EXPECT_EQ(0U, reason(GATE_IN_FUTURE).find("by its stamp it is 1.000 s in the future ("));
+    const char *const options[] = {"--enable-drive", "--enable-relocalize", "--enable-outputs"};
+    for (int kind = 0; kind < judged_kinds; kind++)
+        EXPECT_EQ(std::string("start the bridge with ") + options[kind] + " to enable it",
+                  reason(GATE_DISABLED, kind));
+    EXPECT_EQ("its lease ended before it could be read",
+              reason(GATE_TOO_OLD, GATE_DRIVE, 200 * ms));
     rules.max_age_us = 0;
     EXPECT_EQ("its lease ended before it could be read", reason(GATE_TOO_OLD));
 }
