@@ -113,7 +113,6 @@ void roburoc4_conditions_tick(client *c) {
     if (in_fixed_id_mode(
             &c->private_requests)) { /* an answer does not prove when its request arrived */
         roburoc4_drive_heard(&c->private_drive, t->now_us);
-        roburoc4_drive_arrived(&c->private_drive, t->now_us, t->now_us);
     }
     roburoc4_drive_tick(&c->private_drive, &c->private_config,
                         refusal(c, c->private_now_us, c->private_drive.armed ? t : &unarmed), t,

@@ -96,6 +96,12 @@ static void end_lease(drive *d) {
 
 void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events) {
     end_lease(d);
+    if (cause == ROBUROC4_ERR_UPLINK && d->in_flight == IN_FLIGHT_NONE && !d->stopping) {
+        /* only zeros did not arrive: no stop sequence, but wait for a newer answer all the same */
+        d->in_flight = IN_FLIGHT_EARLIER;
+        d->stop_us = d->heard_us;
+        d->zeros_sent = STOP_ZEROS;
+    }
     if (d->armed) {
         d->disarm_cause = cause;
         *events |= ROBUROC4_EVENT_DISARMED;

@@ -693,20 +693,38 @@ TEST(Uplink, OfALeaseThatEndedSaysNothingOfTheNext) {
 }
 
 TEST(Uplink, ThatWasDeadMustAnswerBeforeItArms) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
-    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
-    bench.drop_to_robot = [](const Bytes &) { return true; };
-    EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0.5F, 0, 2 * second));
-    bench.take_events();
-    bench.run(400 * ms);
-    EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.arm());
-    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_ARMABLE);
-    bench.drop_to_robot = nullptr;
-    bench.run(1200 * ms);
-    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_ARMABLE);
-    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    for (const float speed : {0.5F, 0.0F}) {
+        SCOPED_TRACE(speed);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        ASSERT_NO_FATAL_FAILURE(bench.driving(speed, 0, second));
+        bench.drop_to_robot = [](const Bytes &) { return true; };
+        EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(speed, 0, 2 * second));
+        bench.take_events();
+        bench.run(400 * ms);
+        EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.arm());
+        EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_ARMABLE);
+        bench.drop_to_robot = nullptr;
+        bench.run(1200 * ms);
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_ARMABLE);
+        EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    }
+}
+
+/** A bad link can make any robot look like that. */
+TEST_F(StopBelief, InFixedIdModeIsNotConfirmedWhileItsZerosAreOnTheirWay) {
+    robot.always_manual_id = true;
+    roburoc4_config config = default_config();
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
+    Bench told(robot, config);
+    told.armed();
+    ASSERT_TRUE(told.facts().fixed_id);
+    told.drop_to_robot = [](const Bytes &) { return true; }; /* a queue takes it all */
+    ASSERT_NO_FATAL_FAILURE(told.driving(1, 0, 200 * ms));
+    told.pause();
+    told.run(700 * ms);
+    EXPECT_EQ(ROBUROC4_STOP_RUNNING, told.facts().stop_outcome);
 }
 
 TEST(Uplink, ThatLosesAFifthDisarmsNobody) {
