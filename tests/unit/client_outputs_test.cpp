@@ -421,6 +421,13 @@ TEST(Relocalize, ThatIsTakenLateFailsUnlessTheRobotHasRested) {
                   : way == MOVES ? ROBUROC4_ERR_MOVING
                                  : ROBUROC4_ERR_STALE_DIFFERENTIAL,
                   bench.facts().relocalize_result);
+        robot.current_linear = 0;
+        robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = false;
+        bench.run(500 * ms);
+        ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+        bench.run(500 * ms);
+        bench.receive(late.back());
+        EXPECT_EQ(ROBUROC4_OK, bench.facts().relocalize_result) << "the next begins anew";
     }
 }
 

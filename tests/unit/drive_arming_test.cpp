@@ -571,6 +571,12 @@ TEST(UnknownOverride, CanBeAllowed) {
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
         EXPECT_EQ(0.5F, robot.target_linear);
     }
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
+    ScriptedRobot robot;
+    robot.remove(ROBUROC4_SERVICE_IOCARD);
+    Bench bench(robot, config);
+    bench.ready();
+    EXPECT_EQ(ROBUROC4_ERR_NOT_SUBSCRIBED, bench.arm()) << "but not of an input that was set";
 }
 
 /* There may be a card of unknown type with another id than the manual's, until texts are read. */

@@ -207,6 +207,17 @@ TEST(FixedId, FromItsBeginningOnTheOverrideIsKnownOnlyWithItsInput) {
     EXPECT_EQ(1, bench.facts().fixed_id);
 }
 
+TEST(FixedId, ARobotThatSendsStatusesIsLostAfterTheConfiguredSilence) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    Bench bench(robot);
+    bench.ready();
+    bench.run(20 * second);
+    ASSERT_EQ(1, bench.facts().fixed_id);
+    robot.powered = false;
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST, second));
+}
+
 TEST(FixedId, TheOverrideIsKnownWithinTenSeconds) {
     for (const std::uint64_t round_trip_us : {1 * ms, 20 * ms, 100 * ms}) {
         ScriptedRobot robot;
@@ -235,31 +246,35 @@ TEST(FixedId, OtherRequestsDoNotWaitForTexts) {
     EXPECT_EQ(ROBUROC4_ACTION_INSERT, robot.requests.back().what.action);
 }
 
-TEST(FixedId, ALateTextOfTheDirectoryContradictsNoInputs) {
-    ScriptedRobot robot;
-    robot.always_manual_id = true;
-    Bench bench(robot);
-    bench.start();
-    std::size_t count = 0;
-    const auto asked = [&robot, &count] {
-        const auto queries = robot.seen(ROBUROC4_ACTION_QUERY, ROBUROC4_SERVICE_IOCARD);
-        count = static_cast<std::size_t>(
-            std::count_if(queries.begin(), queries.end(), [](const ScriptedRobot::Request &r) {
-                return r.what.io_type == ROBUROC4_IO_DIGITAL_INPUT &&
-                       r.what.index == ROBUROC4_DI_PAD_A;
-            }));
-        return count > 0;
-    };
-    ASSERT_TRUE(bench.run_until(asked));
-    bench.run(10 * ms); /* it was answered */
-    EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive(encoded([](std::uint8_t *b, std::size_t n) {
-        return roburoc4_encode_text(b, n, ROBUROC4_HEADER_MANUAL, ROBUROC4_SERVICE_DIRECTORY,
-                                    "Battery", 7);
-    })));
-    bench.run(20 * second);
-    asked();
-    EXPECT_EQ(1U, count);
-    EXPECT_EQ(ROBUROC4_DI_PAD_A, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
+TEST(FixedId, ATextIsReadAgainAfterAClockStepButNotForALateOneOfTheDirectory) {
+    for (const bool steps : {false, true}) {
+        ScriptedRobot robot;
+        robot.always_manual_id = true;
+        Bench bench(robot);
+        bench.start();
+        std::size_t count = 0;
+        const auto asked = [&robot, &count] {
+            const auto queries = robot.seen(ROBUROC4_ACTION_QUERY, ROBUROC4_SERVICE_IOCARD);
+            count = static_cast<std::size_t>(
+                std::count_if(queries.begin(), queries.end(), [](const ScriptedRobot::Request &r) {
+                    return r.what.io_type == ROBUROC4_IO_DIGITAL_INPUT &&
+                           r.what.index == ROBUROC4_DI_PAD_A;
+                }));
+            return count > 0;
+        };
+        ASSERT_TRUE(bench.run_until(asked));
+        bench.run(10 * ms); /* it was answered */
+        EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive(encoded([](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_text(b, n, ROBUROC4_HEADER_MANUAL, ROBUROC4_SERVICE_DIRECTORY,
+                                        "Battery", 7);
+        })));
+        bench.skew_us -= static_cast<std::int64_t>(steps ? second : 0); /* nothing dates copies */
+        bench.run(20 * second);
+        asked();
+        EXPECT_EQ(steps ? 2U : 1U, count);
+        EXPECT_EQ(ROBUROC4_DI_PAD_A,
+                  roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
+    }
 }
 
 /* ---- one request at a time ---- */
