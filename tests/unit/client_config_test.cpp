@@ -128,6 +128,7 @@ TEST(Config, EveryRangeEndsWhereTheHeaderSays) {
     check_range("lease_ms: 20 to 1000", &roburoc4_config::lease_ms, 20, 1000,
                 [](roburoc4_config &c) { c.drive_period_ms = 10; });
     check_range("robot_watchdog_ms: 100 to 60000", &roburoc4_config::robot_watchdog_ms, 100, 60000);
+    check_range("lapse_disarm_ms: 0 to 60000", &roburoc4_config::lapse_disarm_ms, 0, 60000);
     check_range("max_linear_m_s: 0.001 to 20", &roburoc4_config::max_linear_m_s, 0.001F, 20);
     check_range("max_angular_rad_s: 0.001 to 50", &roburoc4_config::max_angular_rad_s, 0.001F, 50);
     check_range("scale_linear: 0.01 to 10", &roburoc4_config::scale_linear, 0.01F, 10);
@@ -238,6 +239,17 @@ TEST(Config, RoleIndicesEndAtTheCapacities) {
                 c.role_index[role] = static_cast<std::int16_t>(value);
             });
     }
+}
+
+TEST(Config, IdsAreThoseOfTwoServices) {
+    for (const auto id : {&roburoc4_config::iocard_id, &roburoc4_config::differential_id}) {
+        for (const int value : {-1, 2, 65535})
+            expect_good("id", [&](roburoc4_config &c) { c.*id = value; });
+        for (const int value : {-2, 0, 1, 65536})
+            expect_bad("iocard_id, differential_id", [&](roburoc4_config &c) { c.*id = value; });
+    }
+    expect_bad("iocard_id, differential_id",
+               [](roburoc4_config &c) { c.iocard_id = c.differential_id = 6; });
 }
 
 TEST(Init, OfAnotherSizeIsRefused) {
