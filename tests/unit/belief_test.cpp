@@ -74,6 +74,19 @@ TEST_F(StopBelief, IsSentAgainWhenTheOverrideEnds) {
     }
 }
 
+TEST_F(StopBelief, OfAClientThatDroveNothingIsSentAgainWhenTheOverrideEnds) {
+    bench.ready();
+    robot.hold(true);
+    bench.run(100 * ms);
+    bench.pause();
+    bench.run(3 * second);
+    ASSERT_EQ(ROBUROC4_STOP_OVERRIDDEN, bench.facts().stop_outcome);
+    bench.sent.clear();
+    robot.hold(false);
+    bench.run(200 * ms);
+    EXPECT_EQ(3U, bench.commands().size());
+}
+
 TEST_F(StopBelief, IsNotConfirmedWhileTheOverrideLasts) {
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
@@ -295,6 +308,21 @@ TEST_F(StopBelief, IsConfirmedSoonWhereAllArrives) {
         bench.run(210 * ms);
         ASSERT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome) << i;
     }
+}
+
+TEST_F(StopBelief, IsNotConfirmedByTheStopBeforeWhereTheServiceIsGone) {
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
+    bench.pause();
+    bench.run(second);
+    ASSERT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
+    robot.remove(differential);
+    bench.run(10 * second);
+    ASSERT_EQ(ROBUROC4_OK, bench.stop());
+    bench.run(second);
+    EXPECT_EQ(ROBUROC4_STOP_RUNNING, bench.facts().stop_outcome);
+    ASSERT_EQ(ROBUROC4_OK, bench.close());
+    EXPECT_EQ(ROBUROC4_STOP_TIMED_OUT, bench.facts().stop_outcome);
 }
 
 TEST_F(StopBelief, IsWatchedThroughLeasesWithoutASpeed) {
