@@ -720,6 +720,21 @@ TEST(Uplink, OfALeaseThatEndedSaysNothingOfTheNext) {
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
 }
 
+TEST(Uplink, ThatLosesOneCommandDisarmsNobodyHoweverSeldomTheyAre) {
+    roburoc4_config config = default_config();
+    config.drive_period_ms = 400;
+    config.lease_ms = 1000;
+    ScriptedRobot robot;
+    Bench bench(robot, config);
+    bench.armed();
+    bench.drop_to_robot = [lost = false](const Bytes &bytes) mutable {
+        const bool first = is_command(bytes) && !lost;
+        lost = lost || first;
+        return first;
+    };
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+}
+
 TEST(Uplink, ThatWasDeadMustAnswerBeforeItArms) {
     for (const float speed : {0.5F, 0.0F}) {
         SCOPED_TRACE(speed);
