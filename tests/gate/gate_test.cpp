@@ -391,7 +391,8 @@ TEST_F(Gate, RemembersASenderOfAnyKindAsLongAsAReplayMayHaveTheAge) {
         EXPECT_EQ(GATE_TAKEN, judge(first));
         run(200 * ms);
         for (int i = 1; i <= GATE_SENDERS; i++) {
-            gate_command c = command(("sender " + std::to_string(i)).c_str());
+            const std::string name = "sender " + std::to_string(i);
+            gate_command c = command(name.c_str());
             c.zero = true;
             (void)judge(c);
         }
