@@ -559,12 +559,9 @@ void roburoc4_drive_status(drive *d, const roburoc4_config *config,
     const bool ours =
         zero || (is_ours(d, LINEAR, reported[LINEAR]) && is_ours(d, ANGULAR, reported[ANGULAR]));
     watch_other_commander(d, config, ours || pad == PAD_HELD, events);
-    if (pad == PAD_HELD) {
-        d->confirmed = UNCONFIRMED; /* the robot ignores commands now */
-        d->echo_due = 0;
-    } else if (d->stopping) {
+    if (d->stopping && pad != PAD_HELD) {
         watch_stop(d, zero, pad == PAD_RELEASED, l, now_us);
-    } else {
+    } else if (pad != PAD_HELD) {
         watch_targets(d, config, reported, zero, ours, l, now_us, events);
     }
     /* it has a target to follow, of ours or of another commander */
