@@ -113,8 +113,8 @@ class Judge {
     std::uint8_t ended_confirmed_ = 0, ended_unconfirmed_ = 0, ended_ = 0;
     std::uint8_t arrived_ = 0; /* by the end of the sequence */
     std::uint8_t not_following_ = 0, unseen_ = 0;
-    std::uint8_t on_its_way_ =
-        0; /* a speed left, and nothing shows that the zero after it arrived */
+    /* A speed left, and nothing shows that the zero after it arrived. */
+    std::uint8_t on_its_way_ = 0;
     Speeds target_{}, sent_{}, speed_{};
     std::uint64_t now_us_ = 0;         /* of the latest call, by the client's clock */
     std::uint64_t clock_steps_us_ = 0; /* back, in all */

@@ -15,10 +15,6 @@ constexpr std::size_t service_at = 1, v_at = 3, w_at = 7;
 constexpr std::size_t stamp_at = 3, target_v_at = 11, current_v_at = 15, target_w_at = 19,
                       current_w_at = 23;
 
-bool is_speed_command(const Datagram &datagram) {
-    return is_command(datagram) && datagram.size == 11;
-}
-
 bool is_nonzero(const Datagram &datagram) {
     return is_speed_command(datagram) && !command_speeds(datagram).zero();
 }

@@ -136,7 +136,7 @@ std::uint64_t Path::oldest_speed_us() const {
     std::uint64_t oldest = UINT64_MAX;
     for (const Flight &flight : flights_) {
         const Datagram &datagram = flight.datagram;
-        if (flight.number > newest_taken_ && is_command(datagram) && datagram.size == 11 &&
+        if (flight.number > newest_taken_ && is_speed_command(datagram) &&
             !command_speeds(datagram).zero())
             oldest = std::min(oldest, datagram.origin.made_us);
     }

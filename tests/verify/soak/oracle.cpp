@@ -337,7 +337,7 @@ void Oracle::sent(Moment now, const Datagram &datagram) {
         card = card || (may && robots_[i].iocard_id == service);
     }
     /* what it knows of the services may be of two robots */
-    known = known || (zero && required_boot_ + 1 < robots_.size());
+    known = known || (zero && start_is_hidden());
     if (card && service != 0 && outputs_allowed_ && datagram.size != 11) {
         request_sent(now, datagram);
         return;
@@ -443,8 +443,8 @@ void Oracle::speed_sent(Moment now, Speeds speeds) {
                 "the speed " + speeds_text(speeds) + " left without a lease");
     judge_value(now, speeds);
     judge_fresh(now, "a speed left");
-    const bool hidden = required_boot_ + 1 < robots_.size(); /* of a start that it cannot notice */
-    if (pad_a_held_ && !hidden && ages_judged_ && !(unknown_allowed() && judged_index() < 0) &&
+    if (pad_a_held_ && !start_is_hidden() && ages_judged_ &&
+        !(unknown_allowed() && judged_index() < 0) &&
         now.true_us - pad_a_us_ > milliseconds(config_.fresh_ms) + tolerance_us(now))
         violate(now.true_us - newest_[iocard].made_us > milliseconds(config_.fresh_ms)
                     ? Promise::fresh_by_age

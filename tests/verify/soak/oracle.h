@@ -235,6 +235,10 @@ class Oracle {
     std::uint64_t first_ages_us(Moment now) const;
     Bounds bounds() const;
     bool target_may_be_zero() const;
+    /** Whether there was a start of the robot that the client need not have noticed. */
+    bool start_is_hidden() const {
+        return required_boot_ + 1 < robots_.size();
+    }
     bool zeros_welcome(Moment now) const;
 
     roburoc4_config config_;

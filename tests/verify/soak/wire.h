@@ -119,6 +119,9 @@ struct Speeds {
 inline bool is_command(const Datagram &datagram) {
     return datagram.size > 0 && datagram.bytes[0] == header_status;
 }
+inline bool is_speed_command(const Datagram &datagram) {
+    return is_command(datagram) && datagram.size == 11;
+}
 inline Speeds command_speeds(const Datagram &datagram) {
     return {datagram.f32_at(3), datagram.f32_at(7)};
 }
