@@ -9,6 +9,7 @@ import socket
 import subprocess
 import threading
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -192,12 +193,12 @@ def test_fault_damaged() -> None:
 
 @contextmanager
 def _bits_flipped(robot: str) -> Iterator[str]:
-    """Serve the robot with one bit flipped in every fifth datagram from it."""
-    counts = itertools.count(1)
+    """Serve the robot with one bit flipped in every fifth datagram to each client."""
+    counts: defaultdict[tuple[str, int], Iterator[int]] = defaultdict(lambda: itertools.count(1))
     with _socket() as front:
 
         def answer(data: bytes, client: tuple[str, int]) -> None:
-            flips, rest = divmod(next(counts), 5)
+            flips, rest = divmod(next(counts[client]), 5)
             damaged = bytearray(data)
             if rest == 0:
                 damaged[flips * 7 % len(data)] ^= 1 << flips % 8
