@@ -20,7 +20,8 @@
  *
  * roburoc4_udp.h does this over a socket; examples/bare_loop.c does it by hand. The telegrams
  * themselves are in roburoc4_codec.h, which this header includes. A firmware compiles the sources
- * that cmake/core_sources.txt lists, or the two files that scripts/amalgamate writes.
+ * that cmake/core_sources.txt lists, for moves also those of cmake/move_sources.txt, or the two
+ * files that scripts/amalgamate writes.
  *
  * CONVENTIONS
  *
@@ -51,7 +52,7 @@
  *   ROBUROC4_NO_TEXTS       default off: the client reads the robot's texts. If on, the
  *                           configuration must say where things are: iocard_id, differential_id,
  *                           and role_index of the override; without them, arm() is refused
- *                           (_NO_DIFFERENTIAL, _OVERRIDE_UNKNOWN).
+ *                           (_NO_DIFFERENTIAL, _OVERRIDE_UNKNOWN). Moves need the bumpers', too.
  *   ROBUROC4_NO_STATISTICS  default off: the client counts datagrams, loss and jitter. If on, these
  *                           stay 0.
  *   ROBUROC4_NO_FIXED_ID    default off: the client also connects to a robot that answers every

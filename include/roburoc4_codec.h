@@ -213,7 +213,7 @@ ROBUROC4_API const char *roburoc4_result_text(roburoc4_result result);
 #define ROBUROC4_NAME_SERVICE 0 /* ROBUROC4_SERVICE_*, as the manual (4.2.1): "IOCard" */
 #define ROBUROC4_NAME_BATTERY 1 /* ROBUROC4_BATTERY_*, as the manual (4.2.4.6): "Charging" */
 #define ROBUROC4_NAME_STATE 2   /* ROBUROC4_STATE_* of a client, in lower case: "connecting" */
-#define ROBUROC4_NAME_EVENT 3   /* one ROBUROC4_EVENT_*, as a sentence */
+#define ROBUROC4_NAME_EVENT 3   /* one bit ROBUROC4_EVENT_*, as a sentence */
 /** Likewise, of an event whose condition began or ended: _OVERRIDE, _OTHER_COMMANDER, _INHIBITED.
  */
 #define ROBUROC4_NAME_EVENT_BEGAN 4
@@ -362,7 +362,8 @@ typedef struct roburoc4_telemeter_list {
 typedef struct roburoc4_telemeter {
     float x_m, y_m, theta_rad;            /* mounting pose in the robot's frame */
     float field_of_view_rad;              /* full opening angle */
-    float min_distance_m, max_distance_m; /* range that it can measure */
+    float min_distance_m, max_distance_m; /* range that it can measure; the simulator reports the
+                                             maximum where it sees nothing, the manual is silent */
     float distance_m;                     /* measured when the properties were read */
 } roburoc4_telemeter;
 ROBUROC4_API roburoc4_result roburoc4_decode_telemeter_properties(const uint8_t *data, size_t size,

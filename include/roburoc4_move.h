@@ -12,14 +12,15 @@
  *     roburoc4_move move;
  *     roburoc4_move_by(&move, 1.0f, 0.0f, NULL);
  *     while (roburoc4_move_step(&move, &client, now_us) == ROBUROC4_MOVE_RUNNING) {
- *         roburoc4_client_drive(&client, move.linear_m_s, move.angular_rad_s, 0, now_us);
+ *         roburoc4_result result =
+ *             roburoc4_client_drive(&client, move.linear_m_s, move.angular_rad_s, 0, now_us);
+ *         (void)result; // if it was refused, the next step says why
  *         ... receive and send, as roburoc4_udp_wait() does; read the clock ...
  *     }
  *     puts(roburoc4_move_result_text(move.result));
  *
- * The result of drive() need not be checked: the next step reports a refusal. A move never arms and
- * never renews a lease, so a program that hangs or abandons its move stops the robot as after any
- * drive().
+ * A move never arms and never renews a lease, so a program that hangs or abandons its move stops
+ * the robot as after any drive().
  *
  * HOW IT MOVES
  *
