@@ -51,12 +51,17 @@ def _add(
     run: Callable[[Options], int],
     text: str,
 ) -> argparse.ArgumentParser:
+    ends = (
+        "A pressed bumper ends it; telemeters are not used."
+        if name == "turn"
+        else "A pressed bumper, or something near in the direction of travel, ends it; telemeters "
+        "(ultrasonic rangefinders) miss things."
+    )
     parser = commands.add_parser(
         name,
         help=text,
         description=f"{text[0].upper()}{text[1:]}, with gentle acceleration, and wait until the "
-        "robot is at rest. A pressed bumper, or something near in the direction of travel, ends "
-        "it; telemeters (ultrasonic rangefinders) miss things.",
+        f"robot is at rest. {ends}",
     )
     parser.add_argument(
         "--speed",
@@ -64,24 +69,29 @@ def _add(
         type=_TURN_RATE if name == "turn" else _SPEED,
         help="rad/s (default 0.5)" if name == "turn" else "m/s (default 0.3)",
     )
-    add_looking(parser)
+    add_looking(parser, turns=name == "turn")
     session.add_driving(parser)
     add_robot(parser)
     parser.set_defaults(run=run)
     return parser
 
 
-def add_looking(parser: argparse.ArgumentParser) -> None:
+def add_looking(parser: argparse.ArgumentParser, *, turns: bool = False) -> None:
     """Add `--clearance` and `--timeout`."""
     parser.add_argument(
         "--clearance",
         metavar="METRES",
         type=_CLEARANCE,
-        help="distance to keep from what telemeters see (default 0.5; 0: ignore them, and bumpers "
+        help="0: turn although its bumpers are not known"
+        if turns
+        else "distance to keep from what telemeters see (default 0.5; 0: ignore them, and bumpers "
         "that are not known)",
     )
     parser.add_argument(
-        "--timeout", metavar="SECONDS", type=seconds, help="the longest time that it may take"
+        "--timeout",
+        metavar="SECONDS",
+        type=seconds,
+        help="the longest time that it may take (default: twice what its profile takes, plus 3)",
     )
 
 

@@ -64,7 +64,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser(
         "teleop",
         help="drive with the keyboard",
-        description="Drive with the keyboard of this terminal, up to 1 m/s and 1 rad/s. The robot "
+        description="Drive with the keyboard of this terminal, up to 1 m/s and 1 rad/s. The robot\n"
         "moves while a key is held and stops when it is released.",
         epilog=_HELP,
         formatter_class=argparse.RawDescriptionHelpFormatter,
