@@ -1,8 +1,8 @@
 classdef Robot < handle
 %ROBOT A RobuROC4: drive it, read it, record it.
 %   R = roburoc4.Robot(ADDRESS) connects to the robot at 'HOST' or 'HOST:PORT' (from the factory
-%   '192.168.0.2') and waits until it is ready and each service has sent a status. R = roburoc4.Robot(ADDRESS, 'Name', value, ...)
-%   takes options:
+%   '192.168.0.2') and waits until it is ready and each service has sent a status.
+%   R = roburoc4.Robot(ADDRESS, 'Name', value, ...) takes options:
 %
 %      timeout (10)              seconds without an answer, or without progress towards ready, after
 %                                which roburoc4:timeout is raised
@@ -36,9 +36,8 @@ classdef Robot < handle
 %
 %   A native thread keeps the link alive whatever MATLAB does. It never renews a drive command: the
 %   robot stops when drive is not called again within lease_ms, and is disarmed a second later. It
-%   also stops at delete(R), clear R,
-%   Ctrl-C or an error in a method that waits, and the end of MATLAB, if R drives it: an object that
-%   only reads never commands the robot.
+%   also stops at delete(R), clear R, Ctrl-C or an error in a method that waits, and the end of
+%   MATLAB, if R drives it: an object that only reads never commands the robot.
 %
 %   Units are SI and radians; X is forward, Y left, angles counter-clockwise. Errors have the ids
 %   roburoc4:badArgument, :closed, :limit (too many objects or statuses, a full disk, limits of the
@@ -87,8 +86,8 @@ classdef Robot < handle
 %              ready, armed            the robot answers; drive is accepted
 %              driving, stopping       a lease is active; the stop sequence runs
 %              lapsed                  the last lease expired, and drive was not called since
-%              stop_outcome            of the last stop sequence: none, running, confirmed by the
-%                                      robot, timed out, overridden ([A] was held)
+%              stop_outcome            of the last stop sequence: 'none', 'running', 'confirmed' (by
+%                                      the robot), 'timed out', 'overridden' ([A] was held)
 %              disarm_cause, disarm_text   why it is not armed: one of roburoc4.Result; a sentence
 %              overridden              [A] on the game pad is held
 %              other_commander         another commander drives the robot
@@ -99,7 +98,7 @@ classdef Robot < handle
 %              localization_flags      bits of roburoc4.LocalizationFlag
 %              target_linear_m_s, target_angular_rad_s     commanded speeds
 %              current_linear_m_s, current_angular_rad_s   measured speeds
-%              distances_m             of the telemeters, a row
+%              distances_m             of the telemeters, a row: on a RobuROC4 front, then rear
 %              battery_state, remaining_percent   one of roburoc4.BatteryState; 0 to 100
 %              iocard_age_s, localization_age_s, differential_age_s, telemeter_age_s, battery_age_s
 %                                      how old the last status can be at most, Inf without one; [A]
@@ -285,9 +284,9 @@ methods
 
     function result = turn(this, angle_rad, varargin)
         %TURN Turn in place, and wait until the robot is at rest.
-        %   RESULT = turn(R, RADIANS) turns by odometry, which is inaccurate; negative is to the right.
-        %   More than one turn is refused, as degrees are.
-        %   Options and result are those of move; speed is in rad/s (0.5).
+        %   RESULT = turn(R, RADIANS) turns by odometry, which is inaccurate; negative is to the
+        %   right. More than one turn is refused: degrees look like that. Options and result are
+        %   those of move; speed is in rad/s (0.5), and telemeters are not used.
         %
         %   Example:
         %      r.turn(pi / 2)

@@ -68,7 +68,10 @@ class IoCardStatus(NamedTuple):
 
 
 class TelemeterStatus(NamedTuple):
-    """All ultrasonic distances (4.2.4.5); on a RobuROC4 front, then rear."""
+    """All ultrasonic distances (4.2.4.5); on a RobuROC4 front, then rear.
+
+    The simulator reports 6 m where it sees nothing; the manual is silent about that.
+    """
 
     robot_cycles: int
     distances_m: tuple[float, ...]

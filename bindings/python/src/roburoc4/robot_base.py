@@ -106,7 +106,10 @@ class RobotBase:
         return self.service_link(service).period_us / 1e6
 
     def age_s(self, service: str | Service) -> float | None:
-        """Return how old the latest status of a service can be at most; None before the first."""
+        """Return how old the latest status of a service can be at most; None before the first.
+
+        On a good link that is about 0.05 s more than it is.
+        """
         age_us = self.service_link(service).age_us
         return None if age_us is None else age_us / 1e6
 

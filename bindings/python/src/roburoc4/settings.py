@@ -42,7 +42,7 @@ class Settings(TypedDict, total=False):
     scale_linear: float
     """Factor on the speed given to ``drive``, and of what the wheels count; 0.01 to 10; 1."""
     scale_angular: float
-    """Factor on the turn rate given to ``drive``; 0.01 to 10; 1."""
+    """Factor on the turn rate, likewise."""
     robot_file: str | PathLike[str]
     """File of ``roburoc4 first-contact`` or ``calibrate``: ids, indices of inputs, the robot's
     watchdog and both scales, as far as it has them. Other arguments take precedence."""
