@@ -210,7 +210,8 @@ typedef struct roburoc4_config {
     float scale_angular;        /* likewise */
     uint32_t options;           /* ROBUROC4_OPTION_*; default 0 */
     /** By ROBUROC4_ROLE_*: index of the input on the wire, at most 63 for a digital input and 15
-     *  for the analog one; or ROBUROC4_INDEX_AUTO (default). */
+     *  for the analog one; or ROBUROC4_INDEX_AUTO (default). Messages, robot files and bindings
+     *  call them override_index, front_bumper_index, rear_bumper_index, battery_voltage_index. */
     int16_t role_index[4];
     uint32_t lapse_disarm_ms; /* a lease that expired and was not renewed for this long disarms; 0
                                  to 60000; default 1000. What pause() ended stays armed */

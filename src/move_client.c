@@ -172,10 +172,10 @@ const char *roburoc4_move_result_text(int32_t result) {
         "the robot was relocalized, or its pose jumped: begin again from its new pose",
         "at rest beside its goal: go on from here, slower",
         "a speed beyond the ceilings: ask for less, or raise max_linear_m_s or max_angular_rad_s",
-        "the front bumper is not known: see role_index, or drive without by clearance 0",
-        "the rear bumper is not known: see role_index, or drive without by clearance 0",
-        "no fresh distance ahead: check the front telemeter, or drive without by clearance 0",
-        "no fresh distance behind: check the rear telemeter, or drive without by clearance 0",
+        "the front bumper is not known: set front_bumper_index, or give a clearance of 0",
+        "the rear bumper is not known: set rear_bumper_index, or give a clearance of 0",
+        "no fresh distance ahead: check the front telemeter, or give a clearance of 0",
+        "no fresh distance behind: check the rear telemeter, or give a clearance of 0",
     };
     return result >= 0 && result < (int32_t)(sizeof texts / sizeof *texts) ? texts[result]
                                                                            : "unknown result";
