@@ -32,9 +32,12 @@ static roburoc4_result take_iocard(client *c, const uint8_t *data, size_t size) 
     roburoc4_iocard_properties p;
     const roburoc4_result result = roburoc4_decode_iocard_properties(data, size, &p);
     discovery *d = &c->private_discovery;
+    if (result < 0) {
+        return result;
+    }
     const int32_t counts[4] = {p.analog_inputs, p.analog_outputs, p.digital_inputs,
                                p.digital_outputs};
-    if (result >= 0 && memcmp(c->private_values.io_counts, counts, sizeof counts) != 0) {
+    if (memcmp(c->private_values.io_counts, counts, sizeof counts) != 0) {
         memcpy(c->private_values.io_counts, counts, sizeof counts);
         roburoc4_discovery_forget_inputs(d);
         roburoc4_requests_cancel_texts(&c->private_requests, LIST_DIRECTORY,

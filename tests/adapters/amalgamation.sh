@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# amalgamation.sh CC ROOT: the two files of scripts/amalgamate compile without a warning, alone and
-# with the UDP adapter, and the walk of tests/verify/portable passes on them.
+# amalgamation.sh CC ROOT: the two files of scripts/amalgamate compile without a warning, alone,
+# with the UDP adapter, and optimized together with a program (which warns of more), and the walk of
+# tests/verify/portable passes on them.
 set -eu
 cc=$1
 root=$2
@@ -17,7 +18,7 @@ warnings='-std=c99 -Wall -Wextra -Werror -I'"$folder"
 {
     "$cc" $warnings -O2 -c "$folder/roburoc4.c" -o "$folder/core.o"
     "$cc" $warnings -O2 -DROBUROC4_WITH_UDP -DROBUROC4_WITH_ROBOT_FILE -c "$folder/roburoc4.c" -o "$folder/udp.o"
-    "$cc" $warnings -O2 "$portable/walk.c" "$portable/robot.c" "$portable/port_hosted.c" \
-        "$folder/core.o" -o "$folder/walk"
+    "$cc" $warnings -Os -flto "$portable/walk.c" "$portable/robot.c" "$portable/port_hosted.c" \
+        "$folder/roburoc4.c" -o "$folder/walk"
 }
 "$folder/walk"
