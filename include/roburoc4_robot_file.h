@@ -66,7 +66,7 @@ ROBUROC4_API roburoc4_result roburoc4_robot_file_get(const roburoc4_robot_file *
 ROBUROC4_API roburoc4_result roburoc4_robot_file_set(roburoc4_robot_file *file, const char *name,
                                                      float value);
 /** Change what is known of the robot in a client's configuration: ids of IO card and differential
- *  service, indexes of inputs, the robot's watchdog, and scales. Nothing else changes. */
+ *  service, indices of inputs, the robot's watchdog, and scales. Nothing else changes. */
 ROBUROC4_API void roburoc4_robot_file_config(const roburoc4_robot_file *file,
                                              roburoc4_config *config);
 
