@@ -53,7 +53,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "first-contact",
         help="find out, with two people, what a robot answers where its manual is silent",
         description="Ask, watch and measure step by step, first with the wheels off the ground, "
-        "and write a robot file for --robot-file of all commands, a page, and a recording without "
+        "and write a robot file for the option --robot-file, a page, and a recording without "
         "addresses. Nothing moves unless the space bar is held. Interrupted, it goes on where it "
         "was. docs/first-contact.md describes each step.",
     )

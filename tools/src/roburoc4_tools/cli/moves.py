@@ -39,8 +39,8 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "angle", metavar="ANGLE", type=angle, help="radians, or 90deg; negative: to the right"
     )
     parser = _add(commands, "goto", _run_goto, "turn to a point and drive there, by odometry")
-    parser.add_argument("x", metavar="X", type=coordinate, help="metres, in the main frame")
-    parser.add_argument("y", metavar="Y", type=coordinate, help="metres, in the main frame")
+    parser.add_argument("x", metavar="X", type=coordinate, help="metres, main (odometry) frame")
+    parser.add_argument("y", metavar="Y", type=coordinate, help="metres, main (odometry) frame")
     parser = _add(commands, "square", _run_square, "drive a square to the left")
     parser.add_argument("metres", metavar="METRES", type=_SIDE, help="the length of a side")
 
