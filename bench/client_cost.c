@@ -20,6 +20,9 @@
 #define GET_READY_US 20000000
 
 static roburoc4_client client;
+static roburoc4_sim *robot;
+static bool drives;
+static unsigned long heard; /* statuses */
 static roburoc4_udp udp;
 static uint64_t now_us;
 static uint8_t statuses[ROBUROC4_SERVICE_COUNT][ROBUROC4_SIM_MAX_TRANSMIT];
@@ -32,29 +35,54 @@ static void die(const char *why) {
 
 /* ---- a client that is ready, and the robot's last statuses ---- */
 
-static void get_ready(void) {
-    uint8_t data[ROBUROC4_SIM_MAX_TRANSMIT];
-    roburoc4_sim *robot = roburoc4_sim_create(NULL);
-    const uint64_t until_us = roburoc4_udp_now_us();
-    roburoc4_result size;
-    uint64_t peer;
-    now_us = until_us - GET_READY_US; /* the adapter continues in real time */
-    roburoc4_client_init(&client, sizeof client, NULL);
-    roburoc4_client_start(&client, now_us);
-    for (; now_us < until_us; now_us += STEP_US) {
-        roburoc4_sim_advance(robot, now_us);
-        while ((size = roburoc4_sim_poll_transmit(robot, &peer, data, sizeof data)) > 0) {
-            roburoc4_client_receive(&client, data, (size_t)size, now_us);
-            if (data[0] == ROBUROC4_HEADER_STATUS) {
-                memcpy(statuses[data[1]], data, (size_t)size);
-                sizes[data[1]] = (size_t)size;
+/** All that a program calls when a datagram has come, or, without one, when something is due. */
+__attribute__((noinline)) static roburoc4_result turn(uint8_t *data, size_t received) {
+    roburoc4_result due;
+    if (received > 0) {
+        (void)roburoc4_client_receive(&client, data, received, now_us);
+        if (drives && data[1] == ROBUROC4_SERVICE_DIFFERENTIAL) {
+            if (roburoc4_client_drive(&client, 0.3F, 0, 0, now_us) < 0) {
+                die("it no longer drives");
             }
         }
-        while ((size = roburoc4_client_poll_transmit(&client, data, sizeof data, now_us)) > 0) {
-            roburoc4_sim_receive(robot, 1, data, (size_t)size);
+    }
+    due = roburoc4_client_poll_transmit(&client, data, ROBUROC4_SIM_MAX_TRANSMIT, now_us);
+    (void)roburoc4_client_next_deadline(&client);
+    return due;
+}
+
+/** The robot's next datagram; or, if it sends no more now, what it sends a cycle later. */
+static void hear(void) {
+    uint8_t data[ROBUROC4_SIM_MAX_TRANSMIT];
+    uint64_t peer;
+    const roburoc4_result size = roburoc4_sim_poll_transmit(robot, &peer, data, sizeof data);
+    if (size > 0 && data[0] == ROBUROC4_HEADER_STATUS) {
+        memcpy(statuses[data[1]], data, (size_t)size);
+        sizes[data[1]] = (size_t)size;
+        heard++;
+    }
+    if (size > 0 || roburoc4_client_next_deadline(&client) <= now_us) {
+        roburoc4_result due = turn(data, (size_t)size);
+        for (; due > 0; due = turn(data, 0)) {
+            roburoc4_sim_receive(robot, 1, data, (size_t)due);
         }
     }
-    roburoc4_sim_destroy(robot);
+    if (size == 0) {
+        now_us += STEP_US;
+        roburoc4_sim_advance(robot, now_us);
+    }
+}
+
+static void get_ready(void) {
+    const uint64_t until_us = roburoc4_udp_now_us();
+    now_us = until_us - GET_READY_US; /* the adapter continues in real time */
+    robot = roburoc4_sim_create(NULL);
+    roburoc4_sim_clear_obstacles(robot);
+    roburoc4_client_init(&client, sizeof client, NULL);
+    roburoc4_client_start(&client, now_us);
+    while (now_us < until_us) {
+        hear();
+    }
     if (roburoc4_client_state(&client) != ROBUROC4_STATE_READY) {
         die("the client did not get ready");
     }
@@ -99,6 +127,21 @@ static void poll_idle(void) {
     if (roburoc4_client_poll_transmit(&client, data, sizeof data, now_us) < 0) {
         die("a poll failed");
     }
+}
+
+static void watch(void) {
+    const unsigned long before = heard;
+    while (heard == before) {
+        hear();
+    }
+}
+
+static void drive(void) {
+    while (roburoc4_client_arm(&client, now_us) < 0) {
+        hear();
+    }
+    drives = true;
+    watch();
 }
 
 static int robot_fd = -1;
@@ -152,6 +195,8 @@ static const struct {
     {"receive-iocard", receive_iocard},
     {"receive-battery", receive_battery},
     {"poll-idle", poll_idle},
+    {"watching", watch},
+    {"driving", drive},
     {"udp-differential", receive_udp},
     {"udp-recorded", receive_recorded},
 };
