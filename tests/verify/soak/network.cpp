@@ -70,17 +70,19 @@ Weather draw_weather(Random &random, bool own_queues) {
 
 void Path::set_weather(const Weather &weather, std::uint64_t now_us) {
     const bool drop = random_.chance(0.3);
+    if (drop)
+        flights_.clear();
+    std::uint64_t last_us = 0; /* what is sent from now on overtakes none of them */
     for (Flight &flight : flights_) {
         const std::uint64_t usual = now_us + weather.delay_us + weather.jitter_us;
         flight.arrival_us = std::min(flight.arrival_us, usual);
+        last_us = std::max(last_us, flight.arrival_us);
     }
-    if (drop)
-        flights_.clear();
     std::make_heap(flights_.begin(), flights_.end(), Later());
     weather_ = weather;
     weather_since_us_ = now_us;
     burst_until_us_ = 0;
-    std::fill(std::begin(last_arrival_us_), std::end(last_arrival_us_), 0);
+    std::fill(std::begin(last_arrival_us_), std::end(last_arrival_us_), last_us);
 }
 
 void Path::send(const Datagram &datagram, std::uint64_t now_us) {

@@ -181,8 +181,11 @@ void Oracle::watch_target(Moment now, const Datagram &datagram) {
     zeros_welcome_us_ = now.true_us + milliseconds(config_.drive_period_ms) + slack_us;
     stop_.again_us = std::max(stop_.again_us, now.true_us);
     const std::uint64_t watchdog = milliseconds(config_.robot_watchdog_ms);
-    const std::uint64_t since = /* and what was sent since the last stop that was confirmed */
-        unconfirmed_ ? std::min(confirmed_us_, now.true_us - watchdog) : now.true_us - watchdog;
+    std::uint64_t since = now.true_us - watchdog;
+    if (unconfirmed_) { /* and within that time before the last stop, unless it was confirmed */
+        const std::uint64_t stop = stop_.first_zero_us;
+        since = std::min(since, std::max(confirmed_us_, stop - std::min(stop, watchdog)));
+    }
     const bool must = ours(target, since) && !interfered && datagram.origin.boot <= judged_boot_ &&
                       now.true_us - disturbed_us_ > well_after_us;
     const std::uint64_t age = /* by the client's own bound, too: others judge that */
