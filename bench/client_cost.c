@@ -137,10 +137,10 @@ static void watch(void) {
 }
 
 static void drive(void) {
-    while (roburoc4_client_arm(&client, now_us) < 0) {
+    while (!drives) {
+        drives = roburoc4_client_arm(&client, now_us) == ROBUROC4_OK;
         hear();
     }
-    drives = true;
     watch();
 }
 
