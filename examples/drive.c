@@ -17,19 +17,19 @@ int main(int argc, char **argv) {
     roburoc4_address robot;
     roburoc4_move move;
     roburoc4_result result = roburoc4_udp_resolve(argc > 1 ? argv[1] : "127.0.0.1", 0, &robot);
-    if (result < 0 || (pump = roburoc4_pump_create(&robot, NULL, 0, NULL, &result)) == NULL) {
-        printf("drive: %s\n", roburoc4_result_text(result));
-        return 1;
+    if (result == 0) {
+        pump = roburoc4_pump_create(&robot, NULL, 0, NULL, &result);
     }
     signal(SIGINT, on_signal);
-    result = roburoc4_pump_arm(pump, 5000000); /* connects, and waits until driving is safe: 5 s */
+    if (pump != NULL) {
+        result = roburoc4_pump_arm(pump, 5000000); /* waits until driving is safe: 5 s */
+    }
     if (result < 0) {
         printf("drive: gave up: %s\n", roburoc4_result_text(result));
-    } else {
-        roburoc4_move_by(&move, 0.5f, 0.0f, NULL); /* metres ahead, and radians to the left */
-        result = roburoc4_pump_move(pump, &move);
-        printf("drive: %s\n", roburoc4_move_result_text(result));
+        return 1;
     }
-    roburoc4_pump_destroy(pump);
-    return result != ROBUROC4_MOVE_REACHED;
+    roburoc4_move_by(&move, 0.5f, 0.0f, NULL); /* metres ahead, and radians to the left */
+    result = roburoc4_pump_move(pump, &move);
+    printf("drive: %s\n", roburoc4_move_result_text(result));
+    return result != ROBUROC4_MOVE_REACHED; /* here the pump stops the robot, if it still moves */
 }
