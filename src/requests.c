@@ -418,6 +418,17 @@ static slot *match_error(requests *r, const candidates *found, size_t size, uint
     return s;
 }
 
+/** A datagram belongs to no open request: what it is a copy of may come once more. */
+static void note_copy(requests *r, const uint8_t *datagram, size_t size, uint32_t now_us) {
+    const bool text = size < 2 || datagram[1] == ROBUROC4_ACTION_QUERY;
+    if (r->quiet && (r->quiet == QUIET_ALL || text)) {
+        wait_for_copies(r, r->quiet, QUIET_US, now_us);
+    }
+    if (text && r->slowest_ms < COPY_MS) {
+        r->slowest_ms = COPY_MS; /* others may come as late, without this warning */
+    }
+}
+
 slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint32_t now_us) {
     candidates found;
     slot *s = find_id(r, datagram, size, now_us, &found);
@@ -426,13 +437,7 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
         return s;
     }
     if (found.oldest == NULL) {
-        const bool text = size < 2 || datagram[1] == ROBUROC4_ACTION_QUERY;
-        if (r->quiet && (r->quiet == QUIET_ALL || text)) {
-            wait_for_copies(r, r->quiet, QUIET_US, now_us);
-        }
-        if (text && r->slowest_ms < COPY_MS) {
-            r->slowest_ms = COPY_MS; /* others may come as late, without this warning */
-        }
+        note_copy(r, datagram, size, now_us);
         return NULL;
     }
     if (datagram[0] == ROBUROC4_HEADER_ERROR) {
