@@ -167,6 +167,7 @@ def _found(**changes: object) -> Findings:
         "answered": 10,
         "round_trip_ms": 0.5,
         "connected": True,
+        "watched_s": 5.0,
         "streams": [_stream()],
     }
     return Findings(**{**values, **changes})  # type: ignore[arg-type]
@@ -186,6 +187,7 @@ def _found(**changes: object) -> Findings:
         (_found(interruptions=2), 8, 1),
         (_found(streams=[_stream(), _stream(received=0)]), 9, 1),
         (_found(streams=[_stream(lost=10)]), 10, 1),
+        (_found(streams=[_stream(lost=100), _stream(asked_hz=1.0, received=0)]), 10, 1),
         (_found(streams=[_stream(jitter_ms=40.0)]), 11, 1),
         (_found(round_trip_ms=80.0), 12, 1),
         (_found(streams=[_stream(rate_hz=10.0)]), 13, 1),

@@ -177,6 +177,7 @@ def _measure(found: Findings, robot: Robot, probe: Probe, length_s: float, show:
         show(elapsed_s, "watching the statuses")
         probe.ask()
         probe.listen(_ASK_EVERY_S)
+    found.watched_s = elapsed_s
     _note_probe(found, probe)
     _count(found, robot)
     found.interruptions = sum(robot.counts[count] for count in breaks) - breaks_before

@@ -14,6 +14,7 @@ REPEATED_SHARE = 0.02
 ROUND_TRIP_MS = 50.0
 JITTER_MS = 25.0
 RATE_SHARE = 0.9
+BY_CHANCE = 0.001
 
 
 @dataclass
@@ -51,6 +52,7 @@ class Findings:
     round_trip_ms: float = 0.0
     connected: bool = False
     missing: list[str] = field(default_factory=list)
+    watched_s: float = 0.0
     streams: list[Stream] = field(default_factory=list)
     received: int = 0  # datagrams of the robot
     damaged: int = 0  # of them, too short or with invalid contents
@@ -160,7 +162,11 @@ def _discovery(found: Findings) -> Verdict | None:
 
 
 def _streams(found: Findings) -> Verdict | None:
-    mute = [stream.service for stream in found.streams if stream.received == 0]
+    mute = [
+        stream.service
+        for stream in found.streams
+        if stream.received == 0 and found.loss ** (stream.asked_hz * found.watched_s) < BY_CHANCE
+    ]
     if found.other_source is not None:
         return _no_statuses(found, mute)
     if found.interruptions:
