@@ -770,6 +770,56 @@ TEST_F(StopBelief, InFixedIdModeIsNotConfirmedWhileItsZerosAreOnTheirWay) {
     EXPECT_EQ(ROBUROC4_STOP_RUNNING, told.facts().stop_outcome);
 }
 
+/** The zeros are lost, and a subscription is requested before the stop and again; one is answered.
+ */
+TEST_F(StopBelief, IsProvenOnlyByWhatIsCertainlyTheAnswerToALaterRequest) {
+    const struct {
+        const char *what;
+        bool fixed_id, bad, later;
+        std::uint8_t outcome;
+    } cases[] = {
+        {"the later one", false, false, true, ROBUROC4_STOP_CONFIRMED},
+        {"the later one, with an error", false, true, true, ROBUROC4_STOP_RUNNING},
+        {"the one that left just before the zero", false, false, false, ROBUROC4_STOP_RUNNING},
+        {"one of them, as all ids are the same", true, false, true, ROBUROC4_STOP_RUNNING},
+    };
+    roburoc4_config config = default_config();
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
+    for (const auto &c : cases) {
+        SCOPED_TRACE(c.what);
+        ResumingRobot partner;
+        partner.always_manual_id = c.fixed_id;
+        Bench told(partner, config);
+        told.armed();
+        ASSERT_TRUE(
+            told.run_until([&] { return told.facts().descriptions_done == 1; }, 60 * second));
+        ASSERT_EQ(c.fixed_id, told.facts().fixed_id == 1);
+        told.drop_to_robot = is_command;
+        ASSERT_NO_FATAL_FAILURE(told.driving(1, 0, 200 * ms));
+        told.drop_to_robot = [](const Bytes &) { return true; };
+        const auto subscribe = [&](std::uint32_t period_ms) {
+            ASSERT_EQ(ROBUROC4_OK,
+                      roburoc4_client_subscribe(&told.client, ROBUROC4_SERVICE_TELEMETER, period_ms,
+                                                told.client_us()));
+            told.pump();
+            ASSERT_EQ(ROBUROC4_ACTION_INSERT, told.sent.back().bytes[1]);
+        };
+        ASSERT_NO_FATAL_FAILURE(subscribe(50));
+        std::uint8_t id = told.sent.back().bytes[0];
+        told.pause();
+        told.pump(); /* a zero, at the same time */
+        told.run(160 * ms);
+        if (c.later) {
+            ASSERT_NO_FATAL_FAILURE(subscribe(100));
+            id = told.sent.back().bytes[0];
+        }
+        told.receive(plain_answer(c.bad ? std::uint8_t{0} : id, ROBUROC4_ACTION_INSERT,
+                                  ROBUROC4_SERVICE_NOTIFICATION, c.bad ? 1 : 0));
+        told.run(200 * ms);
+        EXPECT_EQ(c.outcome, told.facts().stop_outcome);
+    }
+}
+
 TEST(Uplink, ThatLosesAFifthDisarmsNobody) {
     ScriptedRobot robot;
     Bench bench(robot);

@@ -323,6 +323,9 @@ TEST(Inhibited, DisarmsWhenTheRobotDoesNotFollow) {
         EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive(0.5F, 0)) << "only arm() drives again";
         EXPECT_EQ(0U, bench.speeds(at_us));
         EXPECT_GE(bench.commands(at_us).size(), 3U);
+        ASSERT_EQ(ROBUROC4_OK, bench.arm());
+        ASSERT_NO_FATAL_FAILURE(bench.driving(c.target[0], c.target[1], 800 * ms))
+            << "it has its moment again";
     }
 }
 
@@ -541,6 +544,22 @@ TEST(Inhibited, IsNotReportedWhenItMovesOrHasNoTarget) {
     ASSERT_NO_FATAL_FAILURE(bench.driving(0, 0, 3 * second));
     bench.run(3 * second);
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_INHIBITED);
+}
+
+TEST(Inhibited, IsNoRobotOfWhichStatusesWereLost) {
+    roburoc4_config config = default_config();
+    config.fresh_ms = 1000;
+    ScriptedRobot robot;
+    Bench bench(robot, config);
+    bench.armed();
+    for (const std::uint64_t gap_us : {300 * ms, 500 * ms, 800 * ms}) {
+        SCOPED_TRACE(gap_us);
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.2F, -0.2F, second));
+        robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
+        ASSERT_NO_FATAL_FAILURE(bench.driving(1, 1, gap_us));
+        robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = false;
+        ASSERT_NO_FATAL_FAILURE(bench.driving(1, 1, 2 * second));
+    }
 }
 
 TEST(Inhibited, IsNotARobotWhoseTargetIsNearlyZero) {

@@ -43,6 +43,24 @@ TEST(OverrideText, ConsistsExactlyOfTheWordsForIt) {
         EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, role_with_text(ROBUROC4_ROLE_OVERRIDE, text)) << text;
 }
 
+/** Because a text may be as long as a datagram, and searching it takes time. */
+TEST(OverrideText, IsSearchedInItsFirst255Bytes) {
+    const struct {
+        std::size_t before, behind;
+        const char *more;
+        roburoc4_result index;
+    } cases[] = {{245, 0, "", 12},
+                 {246, 0, "", ROBUROC4_ERR_UNKNOWN},
+                 {0, 300, "", 12},
+                 {0, 240, "LED", ROBUROC4_ERR_UNKNOWN},
+                 {0, 245, "LED", 12}};
+    for (const auto &c : cases)
+        EXPECT_EQ(c.index,
+                  role_with_text(ROBUROC4_ROLE_OVERRIDE, std::string(c.before, ' ') + "Game pad A" +
+                                                             std::string(c.behind, ' ') + c.more))
+            << c.before << " " << c.behind;
+}
+
 TEST(OverrideText, IsFoundAmongAsManyInputsAsAreStored) {
     for (const std::int32_t count : {63, 64, 65}) {
         ScriptedRobot robot;
