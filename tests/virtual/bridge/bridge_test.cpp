@@ -14,8 +14,10 @@
 #include <csignal>
 #include <cstring>
 #include <ctime>
+#include <fcntl.h>
 #include <regex>
 #include <tuple>
+#include <unistd.h>
 
 #include "bot_core_pose_t.h"
 #include "roburoc4_lcm.h"
@@ -51,11 +53,19 @@ struct Bus {
     std::vector<Message> published;
     std::vector<std::unique_ptr<lcm_subscription_t>> subscriptions;
     std::map<uint32_t, int> watched;
-    bool breaks = false;
-    int reads = 0;
+    bool breaks = false, publishing_fails = false, watching_fails = false;
+    int calls = INT_MAX; /* of LCM to begin with that succeed */
+    std::string url = "none";
+    int reads = 0, existing = 0;
     bool interrupted = false;
+    std::string host = "host";
+    rlim_t files = 1024, most_files = 4096;
 };
 Bus bus;
+
+bool succeeds() {
+    return bus.calls-- > 0;
+}
 
 } // namespace
 
@@ -65,14 +75,38 @@ struct _lcm_t {
 
 extern "C" {
 
-lcm_t *lcm_create(const char *) {
+bool bridge_lcm_is_old = false;
+
+int bridge_gethostname(char *name, size_t size) {
+    std::strncpy(name, bus.host.c_str(), size);
+    return 0;
+}
+int bridge_getrlimit(int, struct rlimit *out) {
+    *out = {bus.files, bus.most_files};
+    return 0;
+}
+int bridge_setrlimit(int, const struct rlimit *limit) {
+    bus.files = limit->rlim_cur;
+    return 0;
+}
+
+lcm_t *lcm_create(const char *url) {
+    bus.url = url != nullptr ? url : "";
+    if (!succeeds()) {
+        return nullptr;
+    }
+    bus.existing++;
     return new lcm_t{};
 }
 void lcm_destroy(lcm_t *lcm) {
+    bus.existing--;
     delete lcm;
 }
 lcm_subscription_t *lcm_subscribe(lcm_t *, const char *channel, lcm_msg_handler_t handler,
                                   void *user) {
+    if (!succeeds()) {
+        return nullptr;
+    }
     bus.subscriptions.push_back(std::make_unique<lcm_subscription_t>(
         lcm_subscription_t{std::regex(channel), handler, user}));
     return bus.subscriptions.back().get();
@@ -81,7 +115,7 @@ int lcm_unsubscribe(lcm_t *, lcm_subscription_t *) {
     return 0;
 }
 int lcm_subscription_set_queue_capacity(lcm_subscription_t *, int) {
-    return 0;
+    return succeeds() ? 0 : -1;
 }
 int lcm_subscription_get_queue_size(lcm_subscription_t *) {
     return 0;
@@ -91,6 +125,9 @@ int lcm_get_fileno(lcm_t *) {
 }
 int lcm_publish(lcm_t *, const char *channel, const void *data, unsigned int size) {
     const auto *bytes = static_cast<const uint8_t *>(data);
+    if (bus.publishing_fails) {
+        return -1;
+    }
     bus.published.push_back({sys.now_us, channel, Bytes(bytes, bytes + size)});
     return 0;
 }
@@ -117,7 +154,8 @@ int lcm_handle_timeout(lcm_t *, int) {
 }
 
 bool watch_begin(void) {
-    return true;
+    errno = EMFILE;
+    return !bus.watching_fails;
 }
 void watch_set(uint32_t number, int fd) {
     bus.watched[number] = fd;
@@ -162,8 +200,13 @@ namespace {
 class Bridge : public testing::Test {
   protected:
     Bridge() {
+        unsetenv("LCM_DEFAULT_URL");
+        forget();
+    }
+    static void forget() {
         bus = Bus();
         bridge_forget();
+        bridge_lcm_is_old = false;
     }
     ~Bridge() override {
         if (bridge_ != nullptr && !bridge_->is_over()) {
@@ -175,20 +218,34 @@ class Bridge : public testing::Test {
             std::signal(number, SIG_DFL);
         }
         EXPECT_EQ(sys.sockets, 0);
+        EXPECT_EQ(bus.existing, 0);
     }
     void start(std::vector<std::string> more = {}, const char *robot = "robot") {
         arguments_ = {"roburoc4-lcm", "--robot",      robot,         "--enable-drive",
                       "--quiet",      "--fleet-stop", "ALL_STOP_CMD"};
         arguments_.insert(arguments_.end(), more.begin(), more.end());
-        bridge_ = std::make_unique<Thread>([this] {
-            std::vector<char *> pointers;
-            for (std::string &argument : arguments_) {
-                pointers.push_back(argument.data());
-            }
-            status_ = bridge_main(static_cast<int>(pointers.size()), pointers.data());
-        });
+        bridge_ = std::make_unique<Thread>([this] { status_ = run(arguments_); });
         sleep_ms(3000); /* connected, and the first commands may be taken */
         ASSERT_FALSE(bridge_->is_over());
+    }
+    static int run(std::vector<std::string> &arguments) {
+        std::vector<char *> pointers;
+        for (std::string &argument : arguments) {
+            pointers.push_back(argument.data());
+        }
+        pointers.push_back(nullptr);
+        return bridge_main(static_cast<int>(pointers.size() - 1), pointers.data());
+    }
+    /* The exit status of a bridge that does not run, and all that it printed. */
+    static int run_early(std::vector<std::string> arguments, std::string &printed) {
+        arguments.insert(arguments.begin(), "roburoc4-lcm");
+        bridge_forget();
+        testing::internal::CaptureStdout();
+        testing::internal::CaptureStderr();
+        const int status = run(arguments);
+        std::fflush(stdout);
+        printed = testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr();
+        return status;
     }
     /* In the place of the usual one. */
     template <class Change> void use_robot(Change change) {
@@ -348,8 +405,7 @@ TEST_F(Bridge, ACommandDrivesAtOnceAndUntilItsLeaseEnds) {
 
 TEST_F(Bridge, ASignalStopsTheRobotAtOnceAndEndsTheBridge) {
     for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
-        bus = Bus();
-        bridge_forget();
+        forget();
         start();
         stream(0.3, 500);
         drive(0.3);
@@ -783,8 +839,7 @@ TEST_F(Bridge, AMoveThatIsNotRenewedEndsWithItsLease) {
 
 TEST_F(Bridge, TheEndOfTheBridgeCancelsAMove) {
     for (const uint64_t after_ms : {1u, 250u}) {
-        bus = Bus();
-        bridge_forget();
+        forget();
         start();
         move_by(5, 7);
         sleep_ms(after_ms);
@@ -879,7 +934,281 @@ TEST_F(Bridge, OutputsAreSetTogetherOrNotAtAll) {
     }
 }
 
+/* ---------------------------------------------------------------------------- begin and end */
+
+TEST_F(Bridge, WhatDoesNotRunSaysWhyAndEndsWithTheStatusOfItsHelp) {
+    const struct {
+        std::vector<std::string> arguments;
+        int status;
+        const char *printed;
+    } cases[] = {
+        {{"--help"},
+         0,
+         "Exit status: 0 ended on\nrequest, 1 error, 2 bad usage, 3 no LCM network."},
+        {{"--version"}, 0, "(built with LCM 0)\n"},
+        {{"--nonsense"}, 2, "unknown option '--nonsense'"},
+        {{"-r", "robot:0"}, 2, "with a port of 1 to 65535"},
+        {{"-r", "nobody"}, 1, "the name has no address"},
+        {{"-r", "robot", "--check"}, 0, "robot: 10.0.0.1:60000 (robot)\n"},
+        {{"-r", "A=robot", "-r", "B=nobody", "--check"}, 1, "B: NO ADDRESS (nobody)\n"},
+    };
+    for (const auto &each : cases) {
+        std::string printed;
+        EXPECT_EQ(run_early(each.arguments, printed), each.status) << each.printed;
+        EXPECT_EQ(lines_with(printed, each.printed), 1u) << printed;
+    }
+    EXPECT_EQ(bus.url, "none") << "no network was joined";
+}
+
+TEST_F(Bridge, WhatCannotBePrintedIsAnError) {
+    for (const char *option : {"--help", "--version", "--check"}) {
+        std::vector<std::string> arguments = {"roburoc4-lcm", option, "--robot", "robot"};
+        bridge_forget();
+        std::fflush(stdout);
+        const int before = dup(STDOUT_FILENO), full = open("/dev/full", O_WRONLY);
+        ASSERT_GE(dup2(full, STDOUT_FILENO), 0);
+        const int status = run(arguments);
+        ASSERT_GE(dup2(before, STDOUT_FILENO), 0);
+        close(before);
+        close(full);
+        std::clearerr(stdout);
+        EXPECT_EQ(status, 1) << option;
+    }
+}
+
+TEST_F(Bridge, WithoutAnLcmNetworkItDoesNotRun) {
+    const std::vector<std::string> arguments = {"-r",           "robot",
+                                                "-l",           "udpm://239.255.76.67:7667?ttl=0",
+                                                "--channel",    "STOP_CMD=HALT_CMD",
+                                                "--channel",    "BRIDGE_STATE=STATE",
+                                                "--fleet-stop", "ALL_CMD"};
+    std::string printed;
+    for (int calls = 0; calls < 13; calls++) { /* the network, six channels and their queues */
+        bus.calls = calls;
+        EXPECT_EQ(run_early(arguments, printed), 3) << calls;
+        EXPECT_EQ(lines_with(printed, "no LCM network at udpm://239.255.76.67:7667?ttl=0"), 1u);
+        EXPECT_EQ(lines_with(printed, "ip route add 224.0.0.0/4 dev lo"), 1u);
+        EXPECT_EQ(bus.existing, 0);
+    }
+    forget();
+    bus.calls = 0;
+    EXPECT_EQ(run_early({"-r", "robot"}, printed), 3);
+    EXPECT_EQ(lines_with(printed, "no LCM network at LCM's default"), 1u) << printed;
+    bus.watching_fails = true;
+    EXPECT_EQ(run_early({"-r", "robot"}, printed), 1);
+    EXPECT_EQ(lines_with(printed, "cannot wait for sockets: Too many open files"), 1u) << printed;
+}
+
+TEST_F(Bridge, AnLcmThatOnePacketEndsDoesNotDrive) {
+    bridge_lcm_is_old = true;
+    std::string printed;
+    EXPECT_EQ(run_early({"-r", "robot", "--enable-drive"}, printed), 1);
+    EXPECT_EQ(lines_with(printed, "so it does not drive"), 1u) << printed;
+    for (const bool local : {true, false}) { /* without packets, and without driving */
+        forget();
+        bridge_lcm_is_old = true;
+        testing::internal::CaptureStderr();
+        bridge_ = std::make_unique<Thread>([this, local] {
+            std::vector<std::string> arguments = {"roburoc4-lcm", "-r", "robot", "-l",
+                                                  local ? "memq://" : "udpm://"};
+            if (local) {
+                arguments.push_back("--enable-drive");
+            }
+            status_ = run(arguments);
+        });
+        sleep_ms(3000);
+        EXPECT_EQ(state()->state, ROBUROC4_STATE_READY);
+        end(SIGTERM);
+        bridge_->join();
+        EXPECT_EQ(lines_with(testing::internal::GetCapturedStderr(), "cannot drop such packets"),
+                  local ? 0u : 1u);
+    }
+}
+
+TEST_F(Bridge, ManyRobotsGetALargerBufferAndEnoughFiles) {
+    const struct {
+        uint32_t robots;
+        std::string given, used;
+        rlim_t files, most_files, allowed;
+    } cases[] = {
+        {1, "", "", 1024, 4096, 1024},
+        {31, "", "", 80, 4096, 95},
+        {32, "", "udpm://?recv_buf_size=4194304", 80, 90, 90},
+        {32, "udpm://?ttl=0", "udpm://?ttl=0&recv_buf_size=4194304", 96, 4096, 96},
+        {32, "udpm://?recv_buf_size=9", "udpm://?recv_buf_size=9", 1024, 4096, 1024},
+        {32, "memq://", "memq://", 1024, 4096, 1024},
+    };
+    for (const auto &each : cases) {
+        forget();
+        bus.files = each.files;
+        bus.most_files = each.most_files;
+        std::vector<std::string> more = {};
+        for (uint32_t robot = 1; robot < each.robots; robot++) {
+            more.insert(more.end(), {"-r", "R" + std::to_string(robot) + "=unknown"});
+        }
+        if (!each.given.empty()) {
+            more.insert(more.end(), {"-l", each.given});
+        }
+        testing::internal::CaptureStderr();
+        start(more, "A=robot");
+        end(SIGTERM);
+        bridge_->join();
+        (void)testing::internal::GetCapturedStderr();
+        EXPECT_EQ(bus.url, each.used);
+        EXPECT_EQ(bus.files, each.allowed);
+    }
+}
+
+TEST_F(Bridge, ASignalThatWasIgnoredStaysIgnoredOnlyIfItIsTheHangup) {
+    std::signal(SIGHUP, SIG_IGN); /* nohup */
+    std::signal(SIGTERM, SIG_IGN);
+    start();
+    EXPECT_EQ(std::signal(SIGHUP, SIG_IGN), SIG_IGN);
+    EXPECT_NE(std::signal(SIGTERM, SIG_IGN), SIG_IGN);
+    EXPECT_EQ(std::signal(SIGPIPE, SIG_IGN), SIG_IGN);
+}
+
+TEST_F(Bridge, IsNamedByItsHostIfThatIsText) {
+    for (const auto &[host, name] : {std::pair{"lab", "lab"}, {"two words", "two"}, {"\xFF", ""}}) {
+        forget();
+        bus.host = host;
+        start();
+        EXPECT_EQ(state()->bridge, name + (" " + std::to_string(getpid())));
+        end(SIGTERM);
+        bridge_->join();
+    }
+}
+
+TEST_F(Bridge, RecordsAllRobotsInAFileOrDoesNotRun) {
+    const std::string file = testing::TempDir() + "bridge_records.pcapng";
+    sys.disk_room = 6000;
+    testing::internal::CaptureStderr();
+    start({"--record", file, "--verbose"});
+    end(SIGTERM);
+    bridge_->join();
+    const std::string log = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(lines_with(log, "recording to " + file), 1u) << log;
+    EXPECT_EQ(lines_with(log, "datagrams are missing because the disk was full or slow: "), 1u);
+    EXPECT_GT(sys.files[file].size(), 5000u);
+    sys.create_error = EACCES;
+    std::string printed;
+    forget();
+    EXPECT_EQ(run_early({"-r", "robot", "--record", file}, printed), 1);
+    EXPECT_EQ(lines_with(printed, "--record " + file + ": Permission denied"), 1u) << printed;
+}
+
 /* -------------------------------------------------------------------------- robots and bridges */
+
+TEST_F(Bridge, ItsChannelsMayHaveAnyNames) {
+    start({"--channel", "STOP_CMD=HALT_CMD", "--channel", "BRIDGE_STATE=STATE", "--fleet-stop",
+           "ALL_CMD", "--pose-channel", "POSE"});
+    for (const char *channel : {"HALT_CMD", "ALL_CMD"}) {
+        sleep_ms(600);
+        stream(0.3, 500);
+        EXPECT_GT(robot_->last_speed_us(), sys.now_us - 100 * kMs);
+        const uint64_t asked_us = sys.now_us;
+        stop(channel);
+        sleep_ms(300);
+        expect_stopped_at(asked_us);
+        stop("ANOTHER_STOP_CMD");
+    }
+    const auto pose =
+        last<bot_core_pose_t>("POSE", bot_core_pose_t_decode, bot_core_pose_t_decode_cleanup);
+    EXPECT_NEAR(pose->pos[0], robot_->state().odometry_x_m, 0.01);
+    auto other = *state("STATE");
+    other.bridge = const_cast<char *>("elsewhere 1");
+    for (const std::string address : {"10.0.0.9:60000", "10.0.0.1:60000"}) {
+        sleep_ms(2300);
+        EXPECT_FALSE((state("STATE")->faults & FAULT(OTHER_BRIDGE)) != 0);
+        auto sent = other;
+        sent.utime = utime();
+        sent.robot = const_cast<char *>(address.c_str());
+        give("STATE", sent, roburoc4_lcm_bridge_state_t_encoded_size,
+             roburoc4_lcm_bridge_state_t_encode);
+        bus.unread.push_back({sys.now_us, "STATE", Bytes(9)}); /* it is no state */
+        sleep_ms(60);
+        EXPECT_TRUE((state("STATE")->faults & FAULT(OTHER_BRIDGE)) != 0) << address;
+    }
+}
+
+TEST_F(Bridge, AnLcmThatCannotSendIsLoggedOnceUntilItCanAgain) {
+    testing::internal::CaptureStderr();
+    start({"--verbose"});
+    const auto errors = [] { return statistics()->publish_errors; };
+    EXPECT_EQ(errors(), 0);
+    for (const uint64_t ms : {3000u, 500u}) { /* it works again after a second without an error */
+        bus.publishing_fails = true;
+        sleep_ms(ms);
+        bus.publishing_fails = false;
+        sleep_ms(500);
+    }
+    sleep_ms(2000);
+    EXPECT_GT(errors(), 3 * 50);
+    const std::string log = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(lines_with(log, "LCM cannot send: "), 1u) << log;
+    EXPECT_EQ(lines_with(log, "LCM can send again"), 1u) << log;
+}
+
+TEST_F(Bridge, AFloodOfCommandsDelaysNoStatus) {
+    start();
+    bus.published.clear();
+    for (int i = 0; i < 2500; i++) {
+        bus.unread.push_back({sys.now_us, "ANOTHER_DRIVE_CMD", Bytes(9)});
+    }
+    sleep_ms(1000);
+    EXPECT_TRUE(bus.unread.empty());
+    EXPECT_NEAR(static_cast<double>(times_of("ROBUROC4_DIFFERENTIAL").size()), 20, 1);
+}
+
+TEST_F(Bridge, WhatHappensToTheRobotIsLoggedInWords) {
+    use_robot(
+        [](roburoc4_sim_config &config) { config.replace_mode = ROBUROC4_SIM_REPLACE_REFUSED; });
+    testing::internal::CaptureStderr();
+    start({"--verbose", "--enable-relocalize"});
+    roburoc4_lcm_relocalize_command_t command{next_utime(), const_cast<char *>("planner"), 1, 2, 3};
+    give("ROBUROC4_RELOCALIZE_CMD", command, roburoc4_lcm_relocalize_command_t_encoded_size,
+         roburoc4_lcm_relocalize_command_t_encode);
+    stream(0.3, 500);
+    sleep_ms(1000);
+    ASSERT_TRUE(robot_->panel("pad_a down"));
+    stream(0.3, 200);
+    ASSERT_TRUE(robot_->panel("pad_a up"));
+    sleep_ms(1000);
+    ASSERT_TRUE(robot_->panel("estop_local press"));
+    stream(0.3, 2000);
+    ASSERT_TRUE(robot_->panel("estop_local release"));
+    sleep_ms(1000);
+    const roburoc4_differential_command another{0.2F, 0, ROBUROC4_SERVICE_DIFFERENTIAL, 0};
+    Bytes bytes(64);
+    bytes.resize(static_cast<size_t>(roburoc4_encode_differential_command(
+        bytes.data(), bytes.size(), another.service, another.linear_m_s, another.angular_rad_s)));
+    for (int i = 0; i < 20; i++) {
+        robot_->receive(9, bytes);
+        sleep_ms(50);
+    }
+    sleep_ms(2000);
+    stop();
+    robot_->silent = true;
+    sleep_ms(3000);
+    robot_->silent = false;
+    sleep_ms(3000);
+    const std::string log = testing::internal::GetCapturedStderr();
+    size_t at = 0;
+    for (const char *text :
+         {"bridging 1 robot; driving is ON", "connected to 10.0.0.1:60000",
+          "armed: drive commands are accepted", "the robot did not accept its new pose: ",
+          "the lease expired without a new drive command", "disarmed: game pad override",
+          "[A] is held on the game pad", "[A] on the game pad was released",
+          "armed: drive commands are accepted", "disarmed: the robot does not follow its commands",
+          "motion inhibited: ", "the robot moves again", "another client commands the robot",
+          "no other client commands the robot any more", "stopped by 'operator'",
+          "10.0.0.1:60000 fell silent; still trying",
+          "the stop sequence ended, but the robot did not confirm it",
+          "connected to 10.0.0.1:60000"}) {
+        at = log.find(text, at);
+        ASSERT_NE(at, std::string::npos) << text << "\n" << log;
+    }
+}
 
 TEST_F(Bridge, NothingIsKeptOfARobotThatAnotherReplaced) {
     use_robot([](roburoc4_sim_config &config) { config.texts = ROBUROC4_SIM_TEXTS_REORDERED; });
@@ -903,8 +1232,7 @@ TEST_F(Bridge, NothingIsKeptOfARobotThatAnotherReplaced) {
 
 TEST_F(Bridge, AnotherBridgeOfThisRobotOrOnItsChannelsIsNoticedUntilItIsGone) {
     for (const auto &[host, max_age_ms] : {std::pair{"robot", "200"}, {"localhost", "0"}}) {
-        bus = Bus();
-        bridge_forget();
+        forget();
         start({"--max-age-ms", max_age_ms}, host);
         const std::string own = state()->bridge;
         const std::string here = own.substr(0, own.find(' ')) + " 1", there = "elsewhere 1";
