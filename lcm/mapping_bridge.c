@@ -174,8 +174,7 @@ void mapping_bridge_statistics(const mapping_view *view, roburoc4_lcm_bridge_sta
 
 static void write_absent(const mapping_view *view, char *room, size_t capacity) {
     const char *state = roburoc4_name(ROBUROC4_NAME_STATE, view->facts->state);
-    (void)snprintf(room, capacity, "%s: no answer from %s; %s", state != NULL ? state : "unknown",
-                   view->robot,
+    (void)snprintf(room, capacity, "%s: no answer from %s; %s", state, view->robot,
                    view->fault != ROBUROC4_FAULT_NONE ? roburoc4_udp_fault_text(view->fault)
                                                       : "is it on, and on this network?");
 }
@@ -247,7 +246,7 @@ void mapping_message(const mapping_view *view, char *room, size_t capacity) {
     } else if (is_silent(view)) {
         write_absent(view, room, capacity);
     } else {
-        (void)snprintf(room, capacity, "%s", state != NULL ? state : "unknown");
+        (void)snprintf(room, capacity, "%s", state);
     }
     if (is_stop_unconfirmed(view->facts)) {
         append(room, capacity, "; THE STOP WAS NOT CONFIRMED by the robot");

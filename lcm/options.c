@@ -194,8 +194,7 @@ static bool can_record(const char *path) {
         memcpy(folder, path, length);
         folder[length] = '\0';
     }
-    return stat(folder, &found) == 0 && S_ISDIR(found.st_mode) &&
-           slash != path + strlen(path) - 1 && access(folder, W_OK | X_OK) == 0;
+    return stat(folder, &found) == 0 && S_ISDIR(found.st_mode) && access(folder, W_OK | X_OK) == 0;
 }
 
 static bool set_record(reading *reading, const known_option *option, const char *value) {

@@ -113,7 +113,7 @@ static roburoc4_result set_outputs(robot *robot, const command *command, uint64_
     }
     for (uint32_t at = 0; at < command->analog_count; at++) {
         int32_t index = command->analog[at].index;
-        if (index < 0 || index >= card.analog_outputs || index >= ROBUROC4_MAX_ANALOG_OUTPUTS) {
+        if (index < 0 || index >= card.analog_outputs) {
             return ROBUROC4_ERR_INDEX;
         }
     }

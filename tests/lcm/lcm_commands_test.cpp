@@ -361,6 +361,9 @@ TEST(LcmCommands, MovesAreReadCompletelyOrNotAtAll) {
         EXPECT_EQ(1.5 + at, read[at]) << at;
     for (std::size_t size = 0; size < good.size(); size++)
         EXPECT_FALSE(command_decode_move(good.data(), size, &c)) << size;
+    Bytes longer = good;
+    longer.push_back(0);
+    EXPECT_FALSE(command_decode_move(longer.data(), longer.size(), &c));
     EXPECT_FALSE(decode(GATE_DRIVE, good, &c));
     const Bytes speed = drive();
     EXPECT_FALSE(command_decode_move(speed.data(), speed.size(), &c));
@@ -379,4 +382,8 @@ TEST(LcmCommands, MovesAreReadCompletelyOrNotAtAll) {
     const Bytes nowhere = bytes();
     ASSERT_TRUE(command_decode_move(nowhere.data(), nowhere.size(), &c));
     EXPECT_FALSE(command_for_gate(&c, 0).zero) << "it asks to drive all the same";
+    sender.assign(COMMANDS_MAX_SIZE, 's');
+    m.sender = sender.data();
+    longer = bytes();
+    EXPECT_FALSE(command_decode_move(longer.data(), longer.size(), &c));
 }

@@ -189,6 +189,7 @@ TEST(LcmOptions, ValuesAreTakenUpToTheirLimits) {
         {"-l", "udpm://239.255.76.67:65535?ttl=255"},
         {"-l", "udpm://239.255.76.67:7667?recv_buf_size=999999999&ttl=1"},
         {"-l", "memq://"},
+        {"--channel", "BATTERY=" + std::string(63, 'n')},
         {"--allow-sender", std::string(63, 'x')},
         {"--enable-drive", "--period-ms", "iocard=100", "--period-ms", "differential=100"},
         {"--lease-ms", "1000"},
@@ -212,13 +213,15 @@ TEST(LcmOptions, TheNetworksPortIsLcmsUnlessTheUrlHasOne) {
 TEST(LcmOptions, RecordAllRobotsInOneFile) {
     EXPECT_STREQ("", read({}).out->record);
     EXPECT_STREQ("run.pcapng", read({"--record", "run.pcapng"}).out->record);
-    const std::string folder = testing::TempDir();
-    for (const std::string &path : {folder, folder + "run.pcapng"}) {
+    const std::string folder = testing::TempDir(), existing = folder + "exists.pcapng";
+    std::ofstream(existing) << "kept";
+    for (const std::string &path : {folder, folder + "run.pcapng", existing}) {
         const Read r = read_file("[DEFAULT]\nrecord = " + path + "\n[A]\naddress = a\n");
         EXPECT_EQ(OPTIONS_RUN, r.result) << r.error;
         EXPECT_EQ(path, r.out->record);
         EXPECT_EQ(OPTIONS_RUN, read({"--record", path}).result);
     }
+    std::remove(existing.c_str());
     const std::string closed = folder + "roburoc4_lcm_closed";
     mkdir(closed.c_str(), 0500);
     for (const std::string &place : {std::string("/"), closed + "/"}) {
@@ -240,6 +243,7 @@ TEST(LcmOptions, RejectInvalidValuesAndNameThem) {
         {{"--quiet=1"}, "no value is allowed for '--quiet=1'"},
         {{"stray"}, "stray"},
         {{"--robot"}, "a value is missing after '--robot'"},
+        {{"-r"}, "a value is missing after '-r'"},
         {{"-r", std::string(256, 'h')}, "at most 255 letters"},
         {{"-r", "a", "-r", "b"}, "each needs a name"},
         {{"-r", "a", "-r", "B=b"}, "each needs a name"},
@@ -275,9 +279,12 @@ TEST(LcmOptions, RejectInvalidValuesAndNameThem) {
         {{"--record", "/no-such-folder/"}, "no file can be made there"},
         {{"--record", "run.csv"}, "ending in .pcapng"},
         {{"--record", "runs"}, "ending in .pcapng"},
+        {{"--record", std::string(249, 'r') + ".pcapng"}, "at most 255 letters"},
         {{"-l", "udpm://223.255.255.255:7667"}, "no such LCM network"},
         {{"-l", "udpm://240.0.0.1:7667"}, "no such LCM network"},
         {{"-l", "udpm://239.255.76"}, "no such LCM network"},
+        {{"-l", "udpm://239:255.76.67"}, "no such LCM network"},
+        {{"-l", "udpm://239.255.76.67/7667"}, "no such LCM network"},
         {{"-l", "udpm://239.255.76.67:0"}, "no such LCM network"},
         {{"-l", "udpm://239.255.76.67:"}, "no such LCM network"},
         {{"-l", "udpm://239.255.76.67:65536"}, "no such LCM network"},
@@ -304,7 +311,10 @@ TEST(LcmOptions, RejectInvalidValuesAndNameThem) {
         {{"--channel", "BATTERY=.*"}, ".*"},
         {{"--channel", "BATTERY"}, "BATTERY"},
         {{"--channel", "NOTHING=X"}, "NOTHING"},
+        {{"--channel", "BATTERY=" + std::string(64, 'n')}, "CHANNEL has 1 to 63"},
         {{"--channel", "X:BATTERY=Y"}, "X:BATTERY"},
+        {{"--channel", ":BATTERY=Y"}, "no --robot has the name before the colon"},
+        {{"--pose-channel", "X:POSE"}, "no --robot has the name before the colon"},
         {{"-r", "A=a", "-r", "B=b", "--channel", "BATTERY=X"}, "which robot"},
         {{"--channel", "BATTERY=ROBUROC4_IOCARD"}, "two channels"},
         {{"--pose-channel", "P_CMD"}, "P_CMD"},
@@ -398,6 +408,7 @@ TEST(LcmConfigFile, ErrorsNameTheLineAndTheRemedy) {
         {"[A B]\n", "fleet.ini:1: 'A B' cannot be the start"},
         {"[]\naddress = a\n", "fleet.ini:1: a section such as"},
         {"[RED]\naddress =\n", "fleet.ini:2: address = : give HOST"},
+        {"[RED]\n= 10.0.0.1\n", "fleet.ini:2:  = 10.0.0.1: no such setting"},
         {"[RED]\n\n[BLUE]\naddress = b\n", "fleet.ini:1: [RED]: address is missing"},
         {"[BLUE]\naddress=b\nenable-drive=yes\nperiod-ms.iocard=500\n",
          "fleet.ini:1: [BLUE]: enable-drive needs statuses"},
@@ -410,6 +421,17 @@ TEST(LcmConfigFile, ErrorsNameTheLineAndTheRemedy) {
         const Read r = read_file(each.text);
         EXPECT_EQ(OPTIONS_BAD, r.result) << each.text;
         EXPECT_EQ(0U, r.error.find(each.error)) << r.error << "\n" << each.text;
+    }
+}
+
+TEST(LcmConfigFile, ErrorsAboutLongLinesShowTheirBeginning) {
+    for (const auto &[line, error] :
+         {std::pair{std::string(99, 'n') + " = 1", std::string(60, 'n') + " = 1: no such setting"},
+          {"address = " + std::string(299, 'v'), "address = " + std::string(200, 'v') + ": is too"},
+          {"address = " + std::string(599, 'v'), std::string(200, 'v') + ": is too long"}}) {
+        const Read r = read_file("[RED]\n" + line + "\n");
+        EXPECT_EQ(OPTIONS_BAD, r.result);
+        EXPECT_NE(std::string::npos, r.error.find(error)) << r.error;
     }
 }
 
@@ -471,6 +493,9 @@ TEST(LcmOptions, TwoRobotsMayShareAHostButNoAddress) {
     EXPECT_EQ(OPTIONS_RUN, options_resolve(ports.out.get(), error, sizeof error)) << error;
     const Read same = read({"--robot", "A=127.0.0.1:1", "--robot", "B=127.0.0.1:1"});
     EXPECT_EQ(OPTIONS_BAD, options_resolve(same.out.get(), error, sizeof error));
+    const Read hosts =
+        read({"--robot", "A=127.0.0.1:1", "--robot", "B=127.0.0.2:1", "--robot", "C=[::1]:1"});
+    EXPECT_EQ(OPTIONS_RUN, options_resolve(hosts.out.get(), error, sizeof error)) << error;
     const Read links = read({"--robot", "A=[fe80::1%1]:1", "--robot", "B=[fe80::1%2]:1"});
     EXPECT_EQ(OPTIONS_RUN, options_resolve(links.out.get(), error, sizeof error)) << error;
 }
@@ -482,7 +507,8 @@ TEST(LcmConfigFile, CommandLineSetsNoRobotBesideIt) {
     EXPECT_EQ(OPTIONS_BAD, read({"--config", "/dev/null", "-r", "10.0.0.1"}).result);
     EXPECT_EQ(0U, read({"-c", "/dev/null", "-p", "A"}).error.find("--prefix: with --config"));
     EXPECT_EQ(0U, read({"-c", "/no/such/file"}).error.find("--config /no/such/file: "));
-    EXPECT_EQ(0U, read({"-c", "/dev/zero"}).error.find("--config /dev/zero: give a text file"));
+    for (const std::string path : {"/dev/zero", "/"})
+        EXPECT_EQ(0U, read({"-c", path}).error.find("--config " + path + ": give a text file"));
 }
 
 TEST(LcmConfigFile, UnknownNameAffectsOneRobot) {
@@ -521,6 +547,9 @@ TEST(LcmText, DistinguishesUtf8FromLookalikes) {
                  {"\xC3\xA9", true},
                  {"\xE2\x82\xAC", true},
                  {"\xF0\x9F\xA4\x96", true},
+                 {"\xE0\xA0\x80", true},
+                 {"\xED\x9F\xBF", true},
+                 {"\xF4\x8F\xBF\xBF", true},
                  {"\xC3", false},
                  {"\xC0\xAF", false},
                  {"\xE0\x80\xAF", false},
@@ -545,4 +574,6 @@ TEST(LcmText, CannotControlTheTerminal) {
     EXPECT_STREQ("??J \xC3\xA9", room) << "U+009B begins a command, too";
     text_for_terminal(room, 3, "abcdef", 6);
     EXPECT_STREQ("ab", room);
+    text_for_terminal(room, sizeof room, "\xC2\xA9 a\0b", 6);
+    EXPECT_STREQ("\xC2\xA9 a", room);
 }

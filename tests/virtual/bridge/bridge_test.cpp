@@ -908,7 +908,8 @@ TEST_F(Bridge, OutputsAreSetTogetherOrNotAtAll) {
         int32_t digital, analog;
         int8_t on;
         double output, voltage; /* then, of digital 3 and analog 1 */
-    } cases[] = {{3, 2, 1, 0, 0},   {3, -1, 1, 0, 0},  {64, 1, 1, 0, 0},  {-1, 1, 1, 0, 0},
+    } cases[] = {{3, 2, 1, 0, 0},   {3, -1, 1, 0, 0},  {64, 1, 1, 0, 0},
+                 {-1, 1, 1, 0, 0},  {0, 1, 1, 0, 0}, /* it belongs to the robot */
                  {3, 1, 1, 1, 1.5}, {3, 1, 0, 0, 1.5}, {64, 1, 1, 0, 1.5}};
     int64_t accepted = 0;
     for (const auto &each : cases) {
@@ -931,6 +932,54 @@ TEST_F(Bridge, OutputsAreSetTogetherOrNotAtAll) {
         EXPECT_EQ(robot_->control(ROBUROC4_SIM_ANALOG_OUTPUT + 1), each.voltage);
         EXPECT_EQ(statistics()->accepted_output, accepted);
         EXPECT_EQ(statistics()->rejected_impossible, &each - cases + 1 - accepted);
+    }
+}
+
+TEST_F(Bridge, OutputsOfARobotWithoutThemAreRefused) {
+    use_robot([](roburoc4_sim_config &config) {
+        config.hidden_services = 1u << ROBUROC4_SERVICE_IOCARD;
+    });
+    start({"--enable-outputs"});
+    roburoc4_lcm_output_command_t command{};
+    command.utime = next_utime();
+    command.sender = const_cast<char *>("planner");
+    give("ROBUROC4_OUTPUT_CMD", command, roburoc4_lcm_output_command_t_encoded_size,
+         roburoc4_lcm_output_command_t_encode);
+    sleep_ms(1100);
+    EXPECT_EQ(statistics()->accepted_output, 0);
+    EXPECT_EQ(statistics()->rejected_impossible, 1);
+}
+
+TEST_F(Bridge, TheEndOfAMoveSaysWhatToDoAboutIt) {
+    start();
+    const struct {
+        double linear_m_s;
+        bool renewed, stopped;
+        int32_t result;
+        const char *message;
+    } cases[] = {{2, true, false, ROBUROC4_MOVE_TOO_FAST, "--max-linear or --max-angular"},
+                 {0, false, false, ROBUROC4_MOVE_LAPSED, "begin again with another move_id"},
+                 {0, true, true, ROBUROC4_MOVE_CANCELLED, "see BRIDGE_STATE"},
+                 {0, true, false, ROBUROC4_MOVE_REACHED, "goal reached"}};
+    for (const auto &each : cases) {
+        sleep_ms(600);
+        for (int i = 0; i < (each.renewed ? 100 : 1); i++) {
+            move_as([&](Move &command) {
+                command.move_id = &each - cases;
+                command.distance_m = 0.3;
+                command.linear_m_s = each.linear_m_s;
+                command.clearance_m = i % 2 == 0 ? 0 : -1; /* that of the first holds */
+            });
+            sleep_ms(50);
+            if (each.stopped && i == 5) {
+                stop();
+            }
+        }
+        sleep_ms(600);
+        const auto status = LAST(move_status, "ROBUROC4_MOVE_STATUS");
+        EXPECT_EQ(status->result, each.result) << status->message;
+        EXPECT_NE(std::string(status->message).find(each.message), std::string::npos)
+            << status->message;
     }
 }
 
