@@ -173,6 +173,14 @@ TEST_F(StopBelief, IsSentAgainWhenOurSpeedComesBack) {
     robot.target_linear = 1; /* an old command overtook nothing and comes last */
     bench.run(60 * ms);
     EXPECT_EQ(0.0F, robot.target_linear);
+    bench.run(300 * ms);
+    ASSERT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
+    robot.target_linear = 1;
+    bench.drop_to_robot = [](const Bytes &) { return true; };
+    bench.run(60 * ms);
+    robot.target_linear = 0; /* as others come late, too */
+    bench.run(2 * second);
+    EXPECT_EQ(ROBUROC4_STOP_TIMED_OUT, bench.facts().stop_outcome) << "the new zeros are lost";
 }
 
 TEST_F(StopBelief, IsSentAgainHoweverLateStatusesShowThatOurSpeedCameBack) {
@@ -753,6 +761,38 @@ TEST(Uplink, ThatWasDeadMustAnswerBeforeItArms) {
         EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_ARMABLE);
         EXPECT_EQ(ROBUROC4_OK, bench.arm());
     }
+}
+
+/** A lease of zeros needs no stop, and the answer to a request before it died proves nothing. */
+TEST(Uplink, ThatWasDeadIsNotProvenByALateAnswer) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    robot.service(ROBUROC4_SERVICE_TELEMETER).insert_silent = true;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_subscribe(&bench.client, ROBUROC4_SERVICE_TELEMETER, 50,
+                                                     bench.client_us()));
+    bench.pump();
+    const std::uint8_t id = bench.sent.back().bytes[0];
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0, 0, second));
+    bench.drop_to_robot = [](const Bytes &) { return true; };
+    ASSERT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0, 0, 2 * second));
+    ASSERT_EQ(ROBUROC4_OK, bench.receive(plain_answer(id, ROBUROC4_ACTION_INSERT,
+                                                      ROBUROC4_SERVICE_NOTIFICATION, 0)));
+    EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.arm());
+}
+
+TEST(Uplink, OfARobotThatKnowsOneIdIsWatchedByChangesOfTheTargetAlone) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    roburoc4_config config = default_config();
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
+    Bench bench(robot, config);
+    bench.armed();
+    ASSERT_TRUE(bench.facts().fixed_id);
+    bench.drop_to_client = [](const Bytes &bytes) { return !is_status(bytes); };
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 2 * second));
+    bench.drop_to_robot = [](const Bytes &) { return true; };
+    EXPECT_GT(0, bench.drive_until_refused(0.3F, 0, 550 * ms));
 }
 
 /** A bad link can make any robot look like that. */

@@ -357,8 +357,9 @@ TEST(Client, PollWithTooSmallABufferSendsNothing) {
     Bench bench(robot);
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_start(&bench.client, bench.client_us()));
     std::uint8_t buffer[ROBUROC4_MAX_TRANSMIT];
-    EXPECT_EQ(ROBUROC4_ERR_BUFFER,
-              roburoc4_client_poll_transmit(&bench.client, buffer, 3, bench.client_us()));
+    for (const std::size_t size : {std::size_t{3}, sizeof buffer - 1})
+        EXPECT_EQ(ROBUROC4_ERR_BUFFER,
+                  roburoc4_client_poll_transmit(&bench.client, buffer, size, bench.client_us()));
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_SENT));
     EXPECT_TRUE(bench.poll());
     EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_SENT));

@@ -248,6 +248,7 @@ TEST(ArmRefused, OnStatusesFromBeforeTheClientWasStartedAgain) {
 TEST(ArmRefused, WithoutTheSubscriptionsThatDrivingNeeds) {
     for (const std::uint32_t service : {2U, 6U}) {
         ScriptedRobot robot;
+        robot.service(ROBUROC4_SERVICE_BATTERY).insert_refused = true; /* not what is reported */
         roburoc4_config config = default_config();
         config.subscriptions &= ~(1U << service);
         Bench bench(robot, config);
@@ -594,9 +595,14 @@ TEST(UnknownOverride, IsNotAllowedWhileAServiceIsNotKnown) {
     EXPECT_EQ(ROBUROC4_ERR_STALE_IOCARD, bench.arm());
     robot.service(ROBUROC4_SERVICE_IOCARD).text = "Camera"; /* it is none */
     robot.texts_silent = false;
-    bench.close();
-    bench.ready();
-    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    for (const bool refused : {false, true}) {
+        robot.texts_refused = refused; /* then it is not known to be one */
+        bench.close();
+        bench.ready();
+        EXPECT_EQ(ROBUROC4_OK, bench.arm()) << refused;
+        bench.stop();
+        bench.run(second);
+    }
 }
 
 TEST(UnknownOverride, IsNotAllowedBeforeTextsWereRequested) {

@@ -235,6 +235,9 @@ TEST(TurnKeeping, ReducesBothSpeedsByOneFactor) {
     expect_sent(sent_for(config, limits, 2.6F, -2), 2.6F * share, -2 * share);
     expect_sent(sent_for(config, limits, 1, 2), 1, 2);
     expect_sent(sent_for(config, limits, 0.1F, 10), 0.1F * 0.65F, 6.5F);
+    const Command greatest = sent_for(config, limits, 0.1F, 6.5F);
+    EXPECT_EQ(0.1F, greatest.linear) << "as it is, to the last digit";
+    EXPECT_EQ(6.5F, greatest.angular);
     limits.min_linear_m_s = -1.3F; /* backwards it is slower */
     expect_sent(sent_for(config, limits, -2.6F, 2), -1.3F * 2.6F / 3.1F, 1.3F * 2 / 3.1F);
 }

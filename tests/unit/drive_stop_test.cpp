@@ -228,7 +228,7 @@ TEST(StopSequence, IsNotEndedByTheConfirmationOfTheOneBefore) {
 }
 
 TEST(StopSequence, EndsWhenTheRobotsWatchdogHasTripped) {
-    for (const std::uint32_t watchdog_ms : {100U, 1023U, 3000U, 1000U}) {
+    for (const std::uint32_t watchdog_ms : {100U, 1023U, 3000U, 15000U, 1000U}) {
         roburoc4_config config = default_config();
         config.robot_watchdog_ms = watchdog_ms;
         ScriptedRobot robot;
