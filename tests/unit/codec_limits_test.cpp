@@ -120,6 +120,23 @@ TEST(CodecLimits, AnalogAndDigitalChannelsShareOneDatagram) {
                                             digital.data(), 33));
 }
 
+TEST(CodecLimits, ATextOfTheDirectoryHasAnIndexOf16Bits) {
+    std::array<std::uint8_t, 16> buffer{};
+    roburoc4_request request{};
+    request.id = 2;
+    request.action = ROBUROC4_ACTION_QUERY;
+    for (const std::int32_t index : {0, 0xFFFF}) {
+        request.index = index;
+        EXPECT_EQ(6, roburoc4_encode_request(buffer.data(), buffer.size(), &request)) << index;
+    }
+    for (const std::int32_t index : {-1, 0x10000}) {
+        request.index = index;
+        EXPECT_EQ(ROBUROC4_ERR_ARGUMENT,
+                  roburoc4_encode_request(buffer.data(), buffer.size(), &request))
+            << index;
+    }
+}
+
 TEST(CodecLimits, ALengthBeyondEveryDatagramIsClipped) {
     if (huge <= 0xFFFFFFFFU)
         GTEST_SKIP() << "a size_t of 32 bits has no such lengths";

@@ -74,6 +74,11 @@ TEST(FullList, ARefusedSubscriptionThatDrivingNeedsIsTheReason) {
             ASSERT_EQ(ROBUROC4_ERR_NOT_SUBSCRIBED, bench.arm()) << i;
         }
         EXPECT_GE(robot.seen(ROBUROC4_ACTION_INSERT, static_cast<int>(service)).size(), 2U);
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_client_subscribe(&bench.client, service, 50, bench.client_us()));
+        EXPECT_EQ(0U, bench.facts().missing) << "this one is not refused yet";
+        bench.run(100 * ms);
+        EXPECT_EQ(1U << service, bench.facts().missing);
         robot.service(service).insert_refused = false;
         EXPECT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }, 10 * second));
         EXPECT_EQ(0U, bench.facts().missing);

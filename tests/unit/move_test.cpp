@@ -1236,6 +1236,13 @@ TEST_F(MoveView, WayIsTheMeanOfTwoSpeedsAndThePoseIsScaled) {
     view.speed_cycles += 10;
     roburoc4_move_step_view(&move, &view, now_us += 100000);
     EXPECT_NEAR(0.02F, move.distance_m, 1e-5);
+    for (const auto &[cycles, covered_m] : {std::pair{1000U, 4.0}, {1001U, 0.0}}) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2, 0, nullptr));
+        roburoc4_move_step_view(&move, &view, now_us);
+        view.speed_cycles += cycles; /* after ten seconds it has restarted */
+        roburoc4_move_step_view(&move, &view, now_us += 100000);
+        EXPECT_NEAR(covered_m, move.distance_m, 1e-5) << cycles;
+    }
     view.linear_m_s = 0;
     view.pose_cycles = 1;
     view.true_per_pose_m = 1.5F;

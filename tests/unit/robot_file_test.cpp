@@ -108,6 +108,7 @@ TEST(RobotFile, ABadLineIsNamedWithItsRemedy) {
     expect_wrong("[inputs]\n\noverride = 8\n", 3, "no such name");
     expect_wrong("override_index = 8\noverride_index = 8\n", 2, "again");
     expect_wrong("iocard_id = 4\nbattery_id = 4\n", 2, "its own");
+    expect_wrong("differential_id = 4\niocard_id = 4\n", 2, "its own");
     for (const char *value : {"", "x", "8.5", "64", "-1", "8 9", "1e1", "0x8", "nan", "--8", "8-",
                               "1234567890", "1.2.3", "."})
         expect_wrong("override_index = " + std::string(value), 1,
@@ -138,6 +139,8 @@ TEST(RobotFile, ValuesBeyondTheirRangeAreNotSet) {
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_robot_file_set(&file, "override_index", 1.5F));
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_robot_file_set(&file, "robot_watchdog_ms", 99));
     char text[ROBUROC4_ROBOT_FILE_SIZE];
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_robot_file_set(&file, "max_linear_m_s", 2.999999F));
+    EXPECT_NE(std::string::npos, text_of(file).find("max_linear_m_s = 3\n")) << "rounded";
     EXPECT_EQ(ROBUROC4_OK, roburoc4_robot_file_set(&file, "robot_watchdog_ms", 60000));
     const roburoc4_result length = roburoc4_robot_file_write(&file, text, sizeof text);
     EXPECT_EQ(ROBUROC4_ERR_BUFFER,
