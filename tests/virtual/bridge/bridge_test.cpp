@@ -1183,7 +1183,8 @@ TEST_F(Bridge, ItsChannelsMayHaveAnyNames) {
     const auto pose =
         last<bot_core_pose_t>("POSE", bot_core_pose_t_decode, bot_core_pose_t_decode_cleanup);
     EXPECT_NEAR(pose->pos[0], robot_->state().odometry_x_m, 0.01);
-    auto other = *state("STATE");
+    const auto seen = state("STATE"); /* which has the texts */
+    auto other = *seen;
     other.bridge = const_cast<char *>("elsewhere 1");
     for (const std::string address : {"10.0.0.9:60000", "10.0.0.1:60000"}) {
         sleep_ms(2300);
