@@ -78,6 +78,7 @@ TEST(Link, LossIsTheShareThatDidNotArrive) {
     const roburoc4_service_link link = bench.service_link(differential);
     EXPECT_NEAR(dropped, link.lost, 2);
     EXPECT_NEAR(0.2, link.loss, 0.02);
+    EXPECT_NEAR(0.05, bench.link().loss, 0.03) << "of all services together";
     EXPECT_EQ(50000U, link.period_us);
     EXPECT_EQ(0U, bench.service_link(ROBUROC4_SERVICE_LOCALIZATION).lost);
     bench.drop_to_client = nullptr;

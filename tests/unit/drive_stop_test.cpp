@@ -329,6 +329,7 @@ TEST(Stop, AlwaysSendsZeros) {
     for (int i = 0; i < 4; i++) {
         const std::uint64_t start_us = bench.now_us;
         ASSERT_EQ(ROBUROC4_OK, i % 2 == 0 ? bench.stop() : bench.pause());
+        EXPECT_EQ(ROBUROC4_ERR_STOPPED, bench.facts().disarm_cause) << "though it was not armed";
         EXPECT_EQ(1, bench.facts().stopping);
         bench.run(second);
         EXPECT_GE(expect_train(bench, start_us, 50 * ms), 3U);

@@ -525,6 +525,26 @@ TEST(Inhibited, DisarmsWhereTheRobotDropsTheTargetItself) {
     EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(0.5F, 0, second));
 }
 
+/** Where no echo is waited for, its speeds alone show that it stands. */
+TEST(Inhibited, EndsWithAnEventWhenArmedAgainAtOnce) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER;
+    ScriptedRobot robot;
+    robot.follows = false;
+    Bench bench(robot, config);
+    bench.armed();
+    bool inhibited = false;
+    while (bench.facts().armed == 1) {
+        bench.drive(0.5F, 0);
+        inhibited = bench.run_until([&] { return bench.facts().inhibited == 1; }, 50 * ms);
+    }
+    ASSERT_TRUE(inhibited);
+    bench.take_events();
+    ASSERT_EQ(ROBUROC4_OK, bench.arm());
+    EXPECT_EQ(0, bench.facts().inhibited);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_INHIBITED);
+}
+
 TEST(Inhibited, DisarmsAgainWhenArmedAgainAtOnce) {
     ScriptedRobot robot;
     robot.follows = false;

@@ -39,7 +39,7 @@ TEST(OverrideText, ConsistsExactlyOfTheWordsForIt) {
     for (const char *text :
          {"Game pad A LED", "Game pad battery A", "Game pad A axis", "A axis", "Game pad A B",
           "Game pad A A", "Game pad", "A", "", "Game A", "Pad A", "Game pad B", "Game pad A\xE9",
-          "Gamepad joystick A", "Not game pad A", "Game pad A 2"})
+          "Game pad A \xE2", "Gamepad joystick A", "Not game pad A", "Game pad A 2"})
         EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, role_with_text(ROBUROC4_ROLE_OVERRIDE, text)) << text;
 }
 

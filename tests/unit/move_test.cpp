@@ -704,11 +704,15 @@ TEST_F(Move, AnyBumperThatGetsPressedEndsIt) {
 }
 
 TEST_F(Move, BackingAwayFromAPressedBumperIsPossible) {
-    roburoc4_sim_set(robot(), ROBUROC4_SIM_FRONT_BUMPER, 1);
-    pass(second);
-    EXPECT_EQ(ROBUROC4_MOVE_BUMPER, straight(0.5F));
-    EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(-0.5F));
-    EXPECT_EQ(ROBUROC4_MOVE_REACHED, turn(0.3));
+    for (const bool front : {true, false}) {
+        const float into_m = front ? 0.5F : -0.5F;
+        roburoc4_sim_set(robot(), ROBUROC4_SIM_FRONT_BUMPER, front);
+        roburoc4_sim_set(robot(), ROBUROC4_SIM_REAR_BUMPER, !front);
+        pass(second);
+        EXPECT_EQ(ROBUROC4_MOVE_BUMPER, straight(into_m));
+        EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(-into_m));
+        EXPECT_EQ(ROBUROC4_MOVE_REACHED, turn(0.3));
+    }
 }
 
 TEST_F(Moving, WithoutTelemeterStatusesItDoesNotStart) {
