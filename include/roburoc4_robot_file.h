@@ -17,8 +17,8 @@
  *
  *     roburoc4_robot_file known;
  *     const char *remedy;
- *     uint32_t line = roburoc4_robot_file_read(&known, text, length, &remedy);
- *     if (line == 0) {
+ *     uint32_t line;
+ *     if (roburoc4_robot_file_read(&known, text, length, &line, &remedy) == ROBUROC4_OK) {
  *         roburoc4_robot_file_config(&known, &config);
  *     }
  *
@@ -47,11 +47,13 @@ typedef struct roburoc4_robot_file {
     float private_values[ROBUROC4_ROBOT_FILE_NAMES];
 } roburoc4_robot_file;
 
-/** Read the text of a file. Returns 0; or the number of the first wrong line, and then *remedy says
- *  what is wrong and what to give instead (it lives as long as the program), and *out is unchanged.
- *  A text without any name is wrong in line 1. */
-ROBUROC4_API uint32_t roburoc4_robot_file_read(roburoc4_robot_file *out, const char *text,
-                                               size_t length, const char **remedy);
+/** Read the text of a file. Returns 0; or ROBUROC4_ERR_CONFIG, and then *line is the number of the
+ *  first wrong line, *remedy says what is wrong and what to give instead (it lives as long as the
+ *  program), and *out is unchanged. A text without any name is wrong in line 1. line and remedy may
+ *  be NULL. */
+ROBUROC4_API roburoc4_result roburoc4_robot_file_read(roburoc4_robot_file *out, const char *text,
+                                                      size_t length, uint32_t *line,
+                                                      const char **remedy);
 /** Write the text of a file, without a NUL at its end: its length, or ROBUROC4_ERR_BUFFER. */
 ROBUROC4_API roburoc4_result roburoc4_robot_file_write(const roburoc4_robot_file *file, char *text,
                                                        size_t capacity);

@@ -340,6 +340,7 @@ static bool set_robot_file(reading *reading, const known_option *option, const c
     char text[ROBUROC4_ROBOT_FILE_SIZE];
     roburoc4_robot_file file;
     const char *remedy = NULL;
+    uint32_t line = 0;
     FILE *opened = fopen(value, "rb");
     (void)option;
     if (opened == NULL) {
@@ -347,8 +348,7 @@ static bool set_robot_file(reading *reading, const known_option *option, const c
     }
     const size_t length = fread(text, 1, sizeof text, opened);
     (void)fclose(opened);
-    const uint32_t line = roburoc4_robot_file_read(&file, text, length, &remedy);
-    if (line != 0) {
+    if (roburoc4_robot_file_read(&file, text, length, &line, &remedy) < 0) {
         return complain(reading, "%s: line %u: %s", reading->subject, (unsigned)line, remedy);
     }
     roburoc4_robot_file_config(&file, &reading->robot->config);

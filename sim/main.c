@@ -171,8 +171,8 @@ static bool take_text(server_options *options, const char *option, const char *p
     }
     roburoc4_robot_file file;
     const char *remedy = NULL;
-    uint32_t line = roburoc4_robot_file_read(&file, text, length, &remedy);
-    if (line != 0) {
+    uint32_t line = 0;
+    if (roburoc4_robot_file_read(&file, text, length, &line, &remedy) < 0) {
         (void)snprintf(error, sizeof error, "line %u: %s", (unsigned)line, remedy);
         return complain(option, path, error);
     }

@@ -268,34 +268,42 @@ static const char *read_line(roburoc4_robot_file *file, span line) {
     return NULL;
 }
 
-uint32_t roburoc4_robot_file_read(roburoc4_robot_file *out, const char *text, size_t length,
-                                  const char **remedy) {
+static roburoc4_result refuse(uint32_t at, const char *wrong, uint32_t *line, const char **remedy) {
+    if (line != NULL) {
+        *line = at;
+    }
+    if (remedy != NULL) {
+        *remedy = wrong;
+    }
+    return ROBUROC4_ERR_CONFIG;
+}
+
+roburoc4_result roburoc4_robot_file_read(roburoc4_robot_file *out, const char *text, size_t length,
+                                         uint32_t *line, const char **remedy) {
     static const uint32_t none[WORDS] = {0};
     static const uint8_t byte_order_mark[] = {0xEF, 0xBB, 0xBF};
     roburoc4_robot_file file;
-    uint32_t line = 1;
+    uint32_t at = 1;
     span rest = {text, length};
     memset(&file, 0, sizeof file);
     if (length >= sizeof byte_order_mark &&
         memcmp(text, byte_order_mark, sizeof byte_order_mark) == 0) {
         rest = (span){text + sizeof byte_order_mark, length - sizeof byte_order_mark};
     }
-    for (; rest.length > 0; line++) {
+    for (; rest.length > 0; at++) {
         const span here = before(rest, '\n', '\n');
         const char *const wrong = read_line(&file, here);
         if (wrong != NULL) {
-            *remedy = wrong;
-            return line;
+            return refuse(at, wrong, line, remedy);
         }
         const size_t used = here.length < rest.length ? here.length + 1 : here.length;
         rest = (span){rest.at + used, rest.length - used};
     }
     if (memcmp(file.private_known, none, sizeof none) == 0) {
-        *remedy = nothing;
-        return 1;
+        return refuse(1, nothing, line, remedy);
     }
     *out = file;
-    return 0;
+    return ROBUROC4_OK;
 }
 
 /* ----------------------------------------------------------------------------------- writing ---

@@ -74,9 +74,11 @@ class Library:
         text = ctypes.create_string_buffer(_TEXT_BYTES)
         length = self.c.roburoc4_robot_file_write(file, text, ctypes.c_size_t(_TEXT_BYTES))
         remedy = ctypes.c_char_p()
-        size = ctypes.c_size_t(length)
-        line = self.c.roburoc4_robot_file_read(file, text, size, ctypes.byref(remedy))
-        assert line == 0, f"line {line}: {remedy.value!r}"
+        line, size = ctypes.c_uint32(), ctypes.c_size_t(length)
+        result = self.c.roburoc4_robot_file_read(
+            file, text, size, ctypes.byref(line), ctypes.byref(remedy)
+        )
+        assert result == 0, f"line {line.value}: {remedy.value!r}"
         config = self.usual()
         self.c.roburoc4_sim_config_robot_file(config, file)
         return self.settings(config)

@@ -15,7 +15,9 @@ roburoc4_sim_config config_of(const std::string &text) {
     roburoc4_robot_file file;
     roburoc4_sim_config config;
     const char *remedy = "";
-    EXPECT_EQ(0U, roburoc4_robot_file_read(&file, text.data(), text.size(), &remedy)) << remedy;
+    EXPECT_EQ(ROBUROC4_OK,
+              roburoc4_robot_file_read(&file, text.data(), text.size(), nullptr, &remedy))
+        << remedy;
     EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_config_init(&config, sizeof config));
     roburoc4_sim_config_robot_file(&config, &file);
     const char *wrong = roburoc4_sim_config_error(&config);

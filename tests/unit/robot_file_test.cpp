@@ -23,7 +23,9 @@ roburoc4_robot_file empty() {
 roburoc4_robot_file file_of(const std::string &text) {
     roburoc4_robot_file file = empty();
     const char *remedy = "";
-    EXPECT_EQ(0U, roburoc4_robot_file_read(&file, text.data(), text.size(), &remedy)) << remedy;
+    EXPECT_EQ(ROBUROC4_OK,
+              roburoc4_robot_file_read(&file, text.data(), text.size(), nullptr, &remedy))
+        << remedy;
     return file;
 }
 
@@ -37,8 +39,12 @@ std::string text_of(const roburoc4_robot_file &file) {
 void expect_wrong(const std::string &text, std::uint32_t line, const std::string &part) {
     roburoc4_robot_file file = empty();
     const roburoc4_robot_file before = file;
+    std::uint32_t found = 0;
     const char *remedy = "";
-    EXPECT_EQ(line, roburoc4_robot_file_read(&file, text.data(), text.size(), &remedy)) << text;
+    EXPECT_EQ(ROBUROC4_ERR_CONFIG,
+              roburoc4_robot_file_read(&file, text.data(), text.size(), &found, &remedy))
+        << text;
+    EXPECT_EQ(line, found) << text;
     EXPECT_NE(std::string::npos, std::string(remedy).find(part)) << text << ": " << remedy;
     EXPECT_EQ(0, std::memcmp(&before, &file, sizeof file)) << text;
 }
@@ -125,10 +131,10 @@ TEST(RobotFile, AnyCutOrFlippedByteIsReadOrRefusedButNeverMore) {
             text[at] = static_cast<char>(byte);
             roburoc4_robot_file file = empty();
             const char *remedy = nullptr;
-            if (roburoc4_robot_file_read(&file, text.data(), text.size(), &remedy) != 0) {
+            if (roburoc4_robot_file_read(&file, text.data(), text.size(), nullptr, &remedy) < 0) {
                 EXPECT_NE(nullptr, remedy);
             }
-            (void)roburoc4_robot_file_read(&file, cut.data(), cut.size(), &remedy);
+            (void)roburoc4_robot_file_read(&file, cut.data(), cut.size(), nullptr, nullptr);
         }
     }
 }

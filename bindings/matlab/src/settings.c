@@ -19,6 +19,7 @@ static int take_robot_file(const mxArray *options, roburoc4_robot_file *file, in
     const mxArray *value = mxIsStruct(options) ? mxGetField(options, 0, robot_file) : NULL;
     char path[TEXT_SIZE], text[ROBUROC4_ROBOT_FILE_SIZE];
     const char *remedy = NULL;
+    uint32_t line = 0;
     *found = value != NULL;
     if (value == NULL) {
         return 1;
@@ -32,8 +33,7 @@ static int take_robot_file(const mxArray *options, roburoc4_robot_file *file, in
     }
     const size_t length = fread(text, 1, sizeof text, opened);
     (void)fclose(opened);
-    const uint32_t line = roburoc4_robot_file_read(file, text, length, &remedy);
-    return line == 0 ||
+    return roburoc4_robot_file_read(file, text, length, &line, &remedy) >= 0 ||
            fail(FAIL_ARGUMENT, "robot_file: %s: line %u: %s", path, (unsigned)line, remedy);
 }
 

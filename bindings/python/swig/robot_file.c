@@ -11,8 +11,8 @@
 PyObject *robot_file_read(const char *text) {
     roburoc4_robot_file file;
     const char *remedy = NULL;
-    const uint32_t line = roburoc4_robot_file_read(&file, text, strlen(text), &remedy);
-    if (line != 0) {
+    uint32_t line = 0;
+    if (roburoc4_robot_file_read(&file, text, strlen(text), &line, &remedy) < 0) {
         return PyErr_Format(PyExc_ValueError, "line %u: %s", (unsigned)line, remedy);
     }
     PyObject *values = PyDict_New();
