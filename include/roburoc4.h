@@ -131,7 +131,7 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_EVENT_DIFFERENTIAL 0x00000400 /* likewise */
 #define ROBUROC4_EVENT_ARMED 0x00000800        /* became armed */
 #define ROBUROC4_EVENT_DISARMED 0x00001000     /* disarmed; see disarm_cause */
-#define ROBUROC4_EVENT_LEASE_OVER 0x00002000   /* a lease expired */
+#define ROBUROC4_EVENT_LAPSED 0x00002000       /* a lease expired; see lapsed */
 #define ROBUROC4_EVENT_STOPPED 0x00004000      /* a stop sequence ended, confirmed by the robot */
 #define ROBUROC4_EVENT_OVERRIDE 0x00008000     /* game pad [A] was pressed or released */
 #define ROBUROC4_EVENT_OTHER_COMMANDER 0x00010000   /* another client commands, or no longer */

@@ -93,7 +93,7 @@ static const char *event_text(uint32_t event, const roburoc4_facts *facts) {
 /* Events that are logged by name only. */
 #define NOTED                                                                                      \
     (ROBUROC4_EVENT_REBOOT | ROBUROC4_EVENT_SUBSCRIPTION_REFUSED | ROBUROC4_EVENT_CAPACITY |       \
-     ROBUROC4_EVENT_ARMED | ROBUROC4_EVENT_LEASE_OVER | ROBUROC4_EVENT_OVERRIDE |                  \
+     ROBUROC4_EVENT_ARMED | ROBUROC4_EVENT_LAPSED | ROBUROC4_EVENT_OVERRIDE |                      \
      ROBUROC4_EVENT_OTHER_COMMANDER | ROBUROC4_EVENT_INHIBITED | ROBUROC4_EVENT_RELOCALIZED |      \
      ROBUROC4_EVENT_BATTERY_LOW | ROBUROC4_EVENT_BATTERY_CRITICAL |                                \
      ROBUROC4_EVENT_STOP_UNCONFIRMED)
@@ -123,7 +123,7 @@ void log_events(const char *robot, const char *address, const roburoc4_client *c
                  roburoc4_result_text(facts.relocalize_result));
     }
     for (uint32_t event = 1; event <= ROBUROC4_EVENT_STOP_UNCONFIRMED; event <<= 1) {
-        const bool is_detail = event == ROBUROC4_EVENT_LEASE_OVER;
+        const bool is_detail = event == ROBUROC4_EVENT_LAPSED;
         if (events & NOTED & event && (event != ROBUROC4_EVENT_ARMED || facts.armed)) {
             log_line(is_detail ? LOG_DETAIL : LOG_NOTE, robot, "%s", event_text(event, &facts));
         }

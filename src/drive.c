@@ -230,7 +230,7 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
     if (lease_over(d, t)) {
         end_lease(d);
         d->lapsed = 1;
-        *events |= ROBUROC4_EVENT_LEASE_OVER;
+        *events |= ROBUROC4_EVENT_LAPSED;
     }
     if (d->lapsed && d->armed &&
         due(t, d->granted_us, d->lease_us + config->lapse_disarm_ms * MS)) {

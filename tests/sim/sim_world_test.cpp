@@ -101,7 +101,7 @@ TEST_F(World, AClientConnectsArmsAndDrives) {
         run(100 * ms);
     }
     EXPECT_NEAR(0.5, robot().true_linear_m_s, 0.05);
-    EXPECT_NE(0U, run(4 * second) & ROBUROC4_EVENT_LEASE_OVER);
+    EXPECT_NE(0U, run(4 * second) & ROBUROC4_EVENT_LAPSED);
     EXPECT_NEAR(0.0, robot().true_linear_m_s, 0.01);
 }
 

@@ -31,12 +31,12 @@ TEST(Lease, EndsExactlyWhenItsTimeIsOver) {
         bench.run_to(granted_us + lease_us - 1);
         EXPECT_EQ(1, bench.facts().driving);
         EXPECT_EQ(1U, bench.facts().lease_left_us);
-        EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_LEASE_OVER);
+        EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_LAPSED);
         bench.now_us = granted_us + lease_us;
         EXPECT_EQ(0, bench.facts().driving) << "before any call that changes something";
         EXPECT_EQ(0U, bench.facts().lease_left_us);
         bench.pump();
-        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_LEASE_OVER);
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_LAPSED);
         EXPECT_TRUE(bench.commands().back().zero());
         EXPECT_EQ(granted_us + lease_us, bench.commands().back().at_us);
         EXPECT_EQ(1, bench.facts().armed) << "arming stays";

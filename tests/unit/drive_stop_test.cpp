@@ -475,7 +475,7 @@ TEST(StopSequence, LeaseThatEndsWhileItWaitsSendsNoSpeed) {
     ASSERT_EQ(ROBUROC4_OK, bench.drive(0.75F, 0, 90000));
     bench.run(3 * second);
     EXPECT_EQ(0U, bench.speeds(start_us));
-    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_LEASE_OVER);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_LAPSED);
 }
 
 TEST(Close, SendsItsZerosThenIsIdle) {

@@ -583,7 +583,7 @@ methods
         %LISTEN Call a function for each status of a service, or for each event.
         %   listen(R, SERVICE, ACTION) calls ACTION(S) with the struct that receive returns, for each
         %   status that arrives from now on. listen(R, 'event', ACTION) calls it with a struct of name,
-        %   text and time_s; names are ready, lost, reboot, armed, disarmed, lease_over, stopped,
+        %   text and time_s; names are ready, lost, reboot, armed, disarmed, lapsed, stopped,
         %   stop_unconfirmed, override, other_commander, inhibited, battery_low, battery_critical and
         %   armable. listen(R, KIND, []) ends that.
         %

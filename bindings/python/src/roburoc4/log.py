@@ -24,7 +24,7 @@ _WARNING = (
     | Event.LOST
     | Event.REBOOT
     | Event.DISARMED
-    | Event.LEASE_OVER
+    | Event.LAPSED
     | Event.OTHER_COMMANDER
     | Event.INHIBITED
     | Event.BATTERY_LOW

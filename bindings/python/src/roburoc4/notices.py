@@ -12,7 +12,7 @@ _LEVELS = {
     Event.READY: "good",
     Event.DISARMED: "weak",
     Event.ARMED: "good",
-    Event.LEASE_OVER: "weak",
+    Event.LAPSED: "weak",
     Event.STOP_UNCONFIRMED: "bad",
     Event.BATTERY_LOW: "weak",
     Event.BATTERY_CRITICAL: "bad",
