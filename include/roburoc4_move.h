@@ -87,8 +87,9 @@ extern "C" {
 #define ROBUROC4_MOVE_NO_FRONT_TELEMETER 17
 #define ROBUROC4_MOVE_NO_REAR_TELEMETER 18
 
-/** A result as one English sentence without a full stop: what happened and what to do. "unknown
- *  result" for an invalid number. Valid as long as the program runs. */
+/** A result as one English sentence without a full stop: what happened and what to do. Of a
+ * negative number, which roburoc4_pump_move() may return, that of roburoc4_result_text(); "unknown
+ * result" for an invalid one. Valid as long as the program runs. */
 ROBUROC4_API const char *roburoc4_move_result_text(int32_t result);
 
 /* -------------------------------------------------------------------------------- options --- */

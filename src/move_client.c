@@ -177,6 +177,8 @@ const char *roburoc4_move_result_text(int32_t result) {
         "no fresh distance ahead: check the front telemeter, or give a clearance of 0",
         "no fresh distance behind: check the rear telemeter, or give a clearance of 0",
     };
-    return result >= 0 && result < (int32_t)(sizeof texts / sizeof *texts) ? texts[result]
-                                                                           : "unknown result";
+    if (result < 0) {
+        return roburoc4_result_text(result);
+    }
+    return result < (int32_t)(sizeof texts / sizeof *texts) ? texts[result] : "unknown result";
 }

@@ -1410,6 +1410,7 @@ TEST(MoveResult, EveryResultHasASentence) {
         EXPECT_GT(text.size(), 8U);
         EXPECT_NE("unknown result", text);
     }
-    EXPECT_STREQ("unknown result", roburoc4_move_result_text(-1));
+    EXPECT_STREQ(roburoc4_result_text(ROBUROC4_ERR_CLOSED),
+                 roburoc4_move_result_text(ROBUROC4_ERR_CLOSED));
     EXPECT_STREQ("unknown result", roburoc4_move_result_text(19));
 }
