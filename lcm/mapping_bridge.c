@@ -50,14 +50,6 @@ static int32_t fault_bits(const mapping_view *view) {
     return bits;
 }
 
-/* Why the robot is not armed: what prevents arming now, else why it was disarmed. */
-static int32_t cause(const roburoc4_facts *facts) {
-    if (facts->armed) {
-        return 0;
-    }
-    return facts->arm_refusal < 0 ? facts->arm_refusal : facts->disarm_cause;
-}
-
 static void map_motion(const mapping_view *view, mapping_texts *storage,
                        roburoc4_lcm_bridge_state_t *out) {
     const roburoc4_facts *facts = view->facts;
@@ -116,7 +108,8 @@ void mapping_bridge_state(const mapping_view *view, mapping_texts *storage,
     out->bridge = (char *)view->bridge; /* LCM's encoders only read */
     out->started_utime = view->started_utime;
     out->state = (int32_t)view->facts->state;
-    out->cause = cause(view->facts);
+    out->disarm_cause = view->facts->disarm_cause;
+    out->arm_refusal = view->facts->arm_refusal;
     out->faults = fault_bits(view);
     mapping_message(view, storage->message, sizeof storage->message);
     out->message = storage->message;

@@ -216,8 +216,8 @@ def test_diagnostics_tell_link_override_arming_and_versions(
     assert found["roburoc4: link"].hardware_id == served.address
     assert values["roburoc4: link"]["loss"] == "0.000"
     driving = values["roburoc4: driving"]
-    assert (driving["armed"], driving["override"]) == ("no", "no")
-    assert driving["cause"]
+    assert (driving["armed"], driving["overridden"]) == ("no", "no")
+    assert driving["disarm_cause"]
     assert values["roburoc4: versions"]["roburoc4"] == roburoc4.__version__
     assert values["roburoc4: versions"]["cyclonedds"]
 

@@ -401,13 +401,13 @@ TEST(LcmMapping, StateNamesTheDriverOrTheReason) {
     EXPECT_STREQ("driving for planner", driving.message);
     EXPECT_EQ(1000, driving.command_age_us);
     EXPECT_EQ(300000, driving.lease_left_us);
-    EXPECT_EQ(0, driving.cause);
+    EXPECT_EQ(0, driving.disarm_cause);
     v.facts.armed = v.facts.driving = 0;
     v.facts.disarm_cause = ROBUROC4_ERR_LOST;
-    EXPECT_EQ(ROBUROC4_ERR_LOST, v.state().cause);
     v.facts.arm_refusal = ROBUROC4_ERR_OVERRIDE;
     v.facts.overridden = 1;
-    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, v.state().cause) << "what prevents it now";
+    EXPECT_EQ(ROBUROC4_ERR_LOST, v.state().disarm_cause);
+    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, v.state().arm_refusal) << "what prevents it now";
     EXPECT_TRUE(v.state().overridden);
 }
 

@@ -78,19 +78,19 @@ def _driving(robot: Robot, *, watches: bool) -> Diagnosis:
         level, text = _WARNING, "the robot did not confirm the stop: watch it"
     values = {
         "armed": yes_or_no(facts.armed),
-        "cause": "" if facts.armed else facts.disarm_cause.text,
+        "disarm_cause": "" if facts.armed else facts.disarm_cause.text,
         "arming": "possible" if not facts.arm_refusal else facts.arm_refusal.text,
-        "override": _override(facts),
+        "overridden": _overridden(facts),
         "other_commander": yes_or_no(facts.other_commander),
         "inhibited": yes_or_no(facts.inhibited),
-        "stop": facts.stop_outcome.name.lower(),
+        "stop_outcome": facts.stop_outcome.name.lower(),
         "linear_m_s": f"{facts.sent_linear_m_s:.3f}",
         "angular_rad_s": f"{facts.sent_angular_rad_s:.3f}",
     }
     return Diagnosis(level, "driving", text, values)
 
 
-def _override(facts: Facts) -> str:
+def _overridden(facts: Facts) -> str:
     return "unknown" if facts.overridden is None else yes_or_no(facts.overridden)
 
 
