@@ -31,7 +31,7 @@ static void add_switches(answer *out, const roburoc4_facts *facts) {
 }
 
 static void add_texts(answer *out, const roburoc4_facts *facts) {
-    static const char *const outcomes[] = {"none", "running", "confirmed", "timed out",
+    static const char *const outcomes[] = {"none", "running", "confirmed", "timed_out",
                                            "overridden"};
     const char *why = facts->armed ? ""
                       : facts->disarm_cause == ROBUROC4_ERR_CLOSED

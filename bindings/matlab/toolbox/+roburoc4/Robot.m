@@ -20,7 +20,8 @@ classdef Robot < handle
 %      localization_period_ms (50), differential_period_ms (50)
 %                                how often the robot sends each status: a multiple of 10, 10 to
 %                                2550, or 0 for never
-%      buffer (50000)            statuses that are kept for record and log, 16 to 1000000
+%      buffer (10000)            statuses that are kept for record and log, 16 to 1000000; the
+%                                default is two minutes
 %      record                    file (.pcapng) in which every datagram is recorded, or a folder
 %      fresh_ms (300)            maximum age of a status that counts for driving, pose and speeds,
 %                                50 to 1000
@@ -87,7 +88,7 @@ classdef Robot < handle
 %              driving, stopping       a lease is active; the stop sequence runs
 %              lapsed                  the last lease expired, and drive was not called since
 %              stop_outcome            of the last stop sequence: 'none', 'running', 'confirmed' (by
-%                                      the robot), 'timed out', 'overridden' ([A] was held)
+%                                      the robot), 'timed_out', 'overridden' ([A] was held)
 %              disarm_cause, disarm_text   why it is not armed: one of roburoc4.Result; a sentence
 %              overridden              [A] on the game pad is held
 %              other_commander         another commander drives the robot
@@ -151,7 +152,7 @@ methods
         %ROBOT Connect, and wait until the robot is ready.
         %   See the help of the class.
         roburoc4.internal.needed(nargin > 0, 'Robot(address), such as Robot(''192.168.0.2'')');
-        own = struct('timeout', 10, 'buffer', 50000, 'record', '', 'wait_for_data', true);
+        own = struct('timeout', 10, 'buffer', 10000, 'record', '', 'wait_for_data', true);
         [options, own] = roburoc4.internal.options(varargin, own, false);
         timeout = roburoc4.internal.number(own.timeout, 'timeout', 0, 1e6);
         patient = roburoc4.internal.number(own.wait_for_data, 'wait_for_data', 0, 1) ~= 0;
@@ -285,13 +286,13 @@ methods
     function result = turn(this, angle_rad, varargin)
         %TURN Turn in place, and wait until the robot is at rest.
         %   RESULT = turn(R, RADIANS) turns by odometry, which is inaccurate; negative is to the
-        %   right. More than one turn is refused: degrees look like that. Options and result are
+        %   right. More than two turns are refused: degrees look like that. Options and result are
         %   those of move; speed is in rad/s (0.5), and telemeters are not used.
         %
         %   Example:
         %      r.turn(pi / 2)
         roburoc4.internal.needed(nargin >= 2, 'turn(radians)');
-        angle_rad = roburoc4.Robot.radians(angle_rad, 'angle');
+        angle_rad = roburoc4.internal.number(angle_rad, 'angle', -1e9, 1e9);
         result = this.go(0, 0, angle_rad, 0, varargin);
     end
 
