@@ -189,7 +189,7 @@ def test_without_enable_drive_a_stop_is_obeyed_and_nothing_else(
     topics.step(0.1)
     assert topics.simulator.state.speed_commands == 0
     robot.arm()
-    robot.drive(0.3, 0.0, lease=1.0)
+    robot.drive(0.3, 0.0, lease_s=1.0)
     topics.step(0.05)
     topics.commands.stop(JOY)
     topics.step(0.05)

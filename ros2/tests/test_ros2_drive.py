@@ -188,7 +188,7 @@ def test_without_dds_the_robot_stands_and_a_person_is_told(domain: int, served: 
         thread = threading.Thread(target=listener.run, args=(ended,))
         thread.start()
         robot.arm()
-        robot.drive(0.3, 0.0, lease=1.0)
+        robot.drive(0.3, 0.0, lease_s=1.0)
         until(lambda: drives(served))
         participant.close()
         until(lambda: stands(served))

@@ -28,7 +28,7 @@ def test_the_parser_accepts_each_command_of_a_page(page: Path) -> None:
 
 def test_the_reference_shows_what_must_be_named() -> None:
     text = python_reference.page()
-    assert "`drive(linear_m_s, angular_rad_s, *, lease=None)`" in text
+    assert "`drive(linear_m_s, angular_rad_s, *, lease_s=None)`" in text
     assert "`rest(*, timeout=None)`" in text
     assert "timeout=10.0, wait=True" in text
     assert "`connect(host='192.168.0.2', *, timeout" in text

@@ -180,7 +180,7 @@ def test_cancelling_the_whole_block_stops_the_robot(served: Simulator) -> None:
     async def drive() -> None:
         async with roburoc4.aio.connect(served.address) as robot:
             await robot.arm()
-            robot.drive(0.5, 0.0, lease=1.0)
+            robot.drive(0.5, 0.0, lease_s=1.0)
             await robot.wait_for(lambda r: False, timeout=60)
 
     async def program() -> None:
@@ -210,7 +210,7 @@ def test_a_robot_that_nobody_keeps_ends_with_its_thread(served: Simulator) -> No
     async def program() -> None:
         robot = await roburoc4.aio.connect(served.address)
         await robot.arm()
-        robot.drive(0.5, 0.0, lease=1.0)
+        robot.drive(0.5, 0.0, lease_s=1.0)
         del robot
         gc.collect()
         await asyncio.to_thread(until, lambda: served.state.last_linear_m_s == 0)

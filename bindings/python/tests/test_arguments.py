@@ -25,8 +25,8 @@ def test_numbers_of_numpy_and_whole_floats_are_numbers(roburoc4_simulator: Simul
     }
     with roburoc4_simulator.connect(**settings) as robot:
         robot.arm()
-        robot.drive(np.float32(0.1), 0, lease=1)
-        robot.drive(np.int32(0), np.float64(0.1), lease=np.float32(0.2))
+        robot.drive(np.float32(0.1), 0, lease_s=1)
+        robot.drive(np.int32(0), np.float64(0.1), lease_s=np.float32(0.2))
         robot.drive_for(np.float32(0.1), 0, np.float64(0.2))
         robot.pause()
         robot.subscribe("battery", 100.0)  # type: ignore[arg-type]
@@ -48,9 +48,9 @@ Call = Callable[[Robot], object]
         (lambda r: r.drive(0, 1e300), r"angular_rad_s: 1e\+300 .* a finite number"),
         (lambda r: r.drive(1e308, 0), r"linear_m_s: 1e\+308 .* -3.4e\+38 to 3.4e\+38"),
         (lambda r: r.drive("0.1", 0), "linear_m_s: '0.1' .* a finite number"),
-        (lambda r: r.drive(0.1, 0, lease="a"), "lease: 'a' .* 0.02 to 1 s"),
-        (lambda r: r.drive(0, 0, lease=250), "lease: 250 .* 0.02 to 1 s"),
-        (lambda r: r.drive(0, 0, lease=-0.1), "lease: -0.1 .* 0.02 to 1 s"),
+        (lambda r: r.drive(0.1, 0, lease_s="a"), "lease_s: 'a' .* 0.02 to 1 s"),
+        (lambda r: r.drive(0, 0, lease_s=250), "lease_s: 250 .* 0.02 to 1 s"),
+        (lambda r: r.drive(0, 0, lease_s=-0.1), "lease_s: -0.1 .* 0.02 to 1 s"),
         (lambda r: r.subscribe("battery", 15), "period_ms: 15 .* multiple of 10, 10 to 2550"),
         (lambda r: r.subscribe("battery", 0), "period_ms: 0 .* multiple of 10, 10 to 2550"),
         (lambda r: r.subscribe("battery", -1), "period_ms: -1 .* multiple of 10, 10 to 2550"),

@@ -46,7 +46,7 @@ def test_connecting_over_a_socket_takes_no_time(served: Simulator) -> None:
 def test_an_exception_stops_the_robot(served: Simulator) -> None:
     with pytest.raises(ZeroDivisionError), roburoc4.connect(served.address) as robot:
         robot.arm()
-        robot.drive(0.5, 0.0, lease=1.0)
+        robot.drive(0.5, 0.0, lease_s=1.0)
         driven(served)
         _ = 1 / 0
     assert served.state.last_linear_m_s == 0
@@ -56,7 +56,7 @@ def test_an_exception_stops_the_robot(served: Simulator) -> None:
 def test_garbage_collection_stops_the_robot(served: Simulator) -> None:
     robot = roburoc4.connect(served.address)
     robot.arm()
-    robot.drive(0.5, 0.0, lease=1.0)
+    robot.drive(0.5, 0.0, lease_s=1.0)
     driven(served)
     # Even as part of a reference cycle, with a finalizer that still uses it.
 
@@ -195,7 +195,7 @@ def test_ctrl_c_while_waiting_stops_the_robot(start: Start) -> None:
 
 
 def test_the_end_of_a_program_without_a_block_stops_the_robot(start: Start) -> None:
-    program = CONNECT + "robot.drive(0.5, 0.0, lease=1.0)\ntime.sleep(0.1)\nsys.exit(3)\n"
+    program = CONNECT + "robot.drive(0.5, 0.0, lease_s=1.0)\ntime.sleep(0.1)\nsys.exit(3)\n"
     with Simulator(port=0) as simulator:
         process = start(program, simulator.address)
         assert process.wait(timeout=120) == 3

@@ -36,7 +36,7 @@ def test_nothing_happens_without_spin(served: Simulator) -> None:
 def test_after_a_hang_the_robots_watchdog_stops_it(served: Simulator) -> None:
     with roburoc4.connect(served.address, threaded=False) as robot:
         robot.arm()
-        robot.drive(0.5, 0.0, lease=1.0)
+        robot.drive(0.5, 0.0, lease_s=1.0)
         robot.spin(0.1)
         until(lambda: served.state.watchdog_tripped)
         assert served.state.last_linear_m_s == 0.5

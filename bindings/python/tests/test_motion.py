@@ -30,13 +30,13 @@ def test_drive_while_disarmed_names_cause_and_remedy(roburoc4_simulator: Simulat
 def test_a_lease_can_be_given_with_the_command(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.arm()
-        robot.drive(0.5, 0.0, lease=1.0)
+        robot.drive(0.5, 0.0, lease_s=1.0)
         roburoc4_simulator.step(0.9)
         assert robot.facts.driving
         roburoc4_simulator.step(0.2)
         assert not robot.facts.driving
         with pytest.raises(roburoc4.ArgumentError):
-            robot.drive(0.5, 0.0, lease=0.005)
+            robot.drive(0.5, 0.0, lease_s=0.005)
 
 
 def test_arm_waits_for_what_the_next_status_brings(roburoc4_simulator: Simulator) -> None:

@@ -230,9 +230,9 @@ def test_a_delay_while_commanding_makes_no_lease_longer(
     scene.arm()
     give = scene.robot.drive
 
-    def slowly(linear_m_s: float, angular_rad_s: float, *, lease: float) -> None:
+    def slowly(linear_m_s: float, angular_rad_s: float, *, lease_s: float) -> None:
         scene.sim.step(held_s.pop() if held_s else 0.0)
-        give(linear_m_s, angular_rad_s, lease=lease)
+        give(linear_m_s, angular_rad_s, lease_s=lease_s)
 
     monkeypatch.setattr(scene.robot, "drive", slowly)
     held_s = [0.15]

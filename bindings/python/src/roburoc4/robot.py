@@ -305,10 +305,12 @@ class ManualRobot(Robot):
         super().__init__(connection, settings)
         self._socket = connection
 
-    def drive(self, linear_m_s: float, angular_rad_s: float, *, lease: float | None = None) -> None:
+    def drive(
+        self, linear_m_s: float, angular_rad_s: float, *, lease_s: float | None = None
+    ) -> None:
         """See :meth:`Robot.drive`; only ``spin`` repeats the command."""
         try:
-            super().drive(linear_m_s, angular_rad_s, lease=lease)
+            super().drive(linear_m_s, angular_rad_s, lease_s=lease_s)
         except NotArmedError as error:
             pause_s = self._socket.longest_pause_s
             if pause_s < _LONG_PAUSE_S or error.code in (Result.DISARMED, Result.STOPPED):

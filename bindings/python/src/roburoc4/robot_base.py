@@ -237,19 +237,21 @@ class RobotBase:
         """Analog outputs."""
         return self._analog_outputs
 
-    def drive(self, linear_m_s: float, angular_rad_s: float, *, lease: float | None = None) -> None:
+    def drive(
+        self, linear_m_s: float, angular_rad_s: float, *, lease_s: float | None = None
+    ) -> None:
         """Drive at these speeds for one lease; call it repeatedly to keep driving.
 
-        Never waits. The ``lease`` is 0.02 to 1 s (default: the setting ``lease_ms``); then the
-        robot is stopped, and after ``lapse_disarm_ms`` disarmed. Speeds are scaled and limited to
-        the robot's limits and the settings' ceilings; more than 5 m/s or 10 rad/s are refused.
+        Never waits. The lease is ``lease_s``, 0.02 to 1 s (default: the setting ``lease_ms``); then
+        the robot is stopped, and after ``lapse_disarm_ms`` disarmed. Speeds are scaled and limited
+        to the robot's limits and the settings' ceilings; more than 5 m/s or 10 rad/s are refused.
         Raises NotArmedError while disarmed, with cause and remedy.
         """
-        if lease is not None and not is_within(0.02, lease, 1.0):
-            raise unusable("lease", lease, "0.02 to 1 s")
+        if lease_s is not None and not is_within(0.02, lease_s, 1.0):
+            raise unusable("lease_s", lease_s, "0.02 to 1 s")
         try:
             _native.roburoc4_client_drive(
-                self._connection.handle, linear_m_s, angular_rad_s, round((lease or 0.0) * 1e6)
+                self._connection.handle, linear_m_s, angular_rad_s, round((lease_s or 0.0) * 1e6)
             )
         except (ArgumentError, OverflowError, TypeError, ValueError):
             check_speeds(linear_m_s, angular_rad_s)

@@ -296,7 +296,7 @@ class Control:
                 self._robot.drive(
                     _speed(inputs.forward * inputs.scale, self.limits.linear_m_s),
                     _speed(inputs.left * inputs.scale, self.limits.angular_rad_s),
-                    lease=min(left_s, 1.0),
+                    lease_s=min(left_s, 1.0),
                 )
             except NotArmedError as error:
                 self._begin_anew(why_disarmed(error.code))
