@@ -103,7 +103,7 @@ def test_captures_of_real_tools_are_read(name: str) -> None:
     sizes = [8 + len(one.payload) for one in Capture(path) if one.source[1] == 60000]
     assert {size: sizes.count(size) for size in OF_SIZE} == OF_SIZE
     recording = recordings.open_recording(path)
-    assert sum(one.kind == "iocard" for one in recording) == OF_SIZE[58]
+    assert sum(one.service == "iocard" for one in recording) == OF_SIZE[58]
     assert recording.address == "127.0.0.1:60000"
 
 

@@ -71,8 +71,8 @@ def test_json_has_every_property_under_its_name_and_unit() -> None:
 def test_json_lists_services_with_their_ids_and_channels_by_name() -> None:
     with roburoc4.Simulator(port=0, iocard_id=12, battery_id=3, telemeter_id=40) as sim:
         info = document(run("info", "--json", robot=sim.address))
-    kinds = {service["kind"]: service["id"] for service in info["services"]}
-    assert kinds == {
+    ids = {service["service"]: service["id"] for service in info["services"]}
+    assert ids == {
         "directory": 0,
         "notification": 1,
         "localization": 5,
@@ -82,7 +82,7 @@ def test_json_lists_services_with_their_ids_and_channels_by_name() -> None:
         "telemeter": 40,
     }
     for service in info["services"]:
-        assert set(service) == {"id", "type", "kind", "name"}
+        assert set(service) == {"id", "type", "service", "name"}
         assert service["name"]
     channels = info["channels"]
     assert channels["digital_inputs"][0] == "Front bumper"

@@ -170,7 +170,7 @@ def test_what_two_clients_received_is_counted_once(path: Path) -> None:
     ]
     both = sorted([*packets, *copies], key=lambda packet: packet.time_us)
     reading = recordings.open_recording(write(path, both)).read()
-    found = [item for item in reading.items() if hasattr(item, "kind")]
+    found = [item for item in reading.items() if hasattr(item, "service")]
     assert len(found) == reading.counts.copies == len(copies)
     assert reading.robot.link.lost == 0
 
@@ -236,9 +236,9 @@ def test_other_service_ids_are_those_of_the_directory(path: Path) -> None:
         packets[index] = packets[index]._replace(payload=packets[index].payload[:5] + text[5:])
     sent = statuses(BEGIN_US + 100_000, 1.0)
     found = list(recordings.open_recording(write(path, packets + [other(one) for one in sent])))
-    kinds = [status.kind for status in found]
-    assert kinds.count("differential") == kinds.count("localization") == 20
-    assert found[2].kind == "differential"
+    services = [status.service for status in found]
+    assert services.count("differential") == services.count("localization") == 20
+    assert found[2].service == "differential"
 
 
 def test_the_robot_can_be_chosen_if_there_are_several(path: Path) -> None:

@@ -36,7 +36,7 @@ def test_a_client_finds_the_robot_that_its_user_plays() -> None:
     assert client.due_us > 0
     events, statuses = client.take()
     assert Event.READY in Event(events)
-    assert {status.kind for status in statuses} == {"battery"}
+    assert {status.service for status in statuses} == {"battery"}
 
 
 def test_its_robot_is_closed_at_the_end() -> None:

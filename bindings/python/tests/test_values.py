@@ -54,7 +54,7 @@ def test_unknown_values_name_the_remedy(roburoc4_simulator: Simulator) -> None:
 def test_properties_have_everything_the_robot_reported(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         properties = robot.properties
-        assert [service.kind for service in properties.services] == [
+        assert [entry.service for entry in properties.services] == [
             service.name.lower() for service in Service
         ]
         assert properties.services[2].name == "IOCard"
@@ -71,7 +71,7 @@ def test_a_robot_without_a_service_has_none_of_its_properties() -> None:
     hidden = 1 << Service.BATTERY
     with Simulator(hidden_services=hidden) as sim, sim.connect() as robot:
         assert robot.properties.battery is None
-        assert "battery" not in [service.kind for service in robot.properties.services]
+        assert "battery" not in [entry.service for entry in robot.properties.services]
         assert robot.properties.localization is not None
 
 

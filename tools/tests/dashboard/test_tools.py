@@ -84,7 +84,7 @@ def test_every_datagram_is_recorded_if_requested(
     with page.expect_download() as download:
         page.get_by_role("link", name="pcapng").click()
     recording = recordings.open_recording(download.value.path())
-    assert any(status.kind == "localization" for status in recording)
+    assert any(status.service == "localization" for status in recording)
 
 
 def test_there_is_no_recording_before_there_is_one(station: Make, visit: Visit) -> None:

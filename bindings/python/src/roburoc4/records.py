@@ -62,7 +62,7 @@ class IoCardStatus(NamedTuple):
     utc_s: float = 0.0
 
     @property
-    def kind(self) -> str:
+    def service(self) -> str:
         """The name of its service."""
         return "iocard"
 
@@ -79,7 +79,7 @@ class TelemeterStatus(NamedTuple):
     utc_s: float = 0.0
 
     @property
-    def kind(self) -> str:
+    def service(self) -> str:
         """The name of its service."""
         return "telemeter"
 
@@ -95,7 +95,7 @@ class BatteryStatus(NamedTuple):
     utc_s: float = 0.0
 
     @property
-    def kind(self) -> str:
+    def service(self) -> str:
         """The name of its service."""
         return "battery"
 
@@ -119,7 +119,7 @@ class LocalizationStatus(NamedTuple):
     utc_s: float = 0.0
 
     @property
-    def kind(self) -> str:
+    def service(self) -> str:
         """The name of its service."""
         return "localization"
 
@@ -136,7 +136,7 @@ class DifferentialStatus(NamedTuple):
     utc_s: float = 0.0
 
     @property
-    def kind(self) -> str:
+    def service(self) -> str:
         """The name of its service."""
         return "differential"
 
@@ -235,7 +235,7 @@ class ServiceEntry(NamedTuple):
 
     id: int
     type: int
-    kind: str | None
+    service: str | None
     """``iocard``, ``battery`` ...; None for a service that this library does not know."""
     name: str
     """The robot's own text, else the manual's name, else empty."""

@@ -228,8 +228,8 @@ class Gaps:
 
     def add(self, status: Status) -> None:
         """Take the next status."""
-        last = self._last.get(status.kind)
-        self._last[status.kind] = status
+        last = self._last.get(status.service)
+        self._last[status.service] = status
         if last is not None:
             # Not by robot_cycles, which start over when the robot restarts.
             self._look(last, status.utc_s - last.utc_s)
@@ -241,11 +241,11 @@ class Gaps:
         self._last.clear()
 
     def _look(self, last: Status, length_s: float) -> None:
-        period_s = self._period_s(last.kind)
+        period_s = self._period_s(last.service)
         self.lost += max(0, round(length_s / period_s) - 1) if period_s > 0.0 else 0
         if length_s <= max(_GAP_S, _GAP_PERIODS * period_s):
             return
-        begin_s, services = last.utc_s, {last.kind}
+        begin_s, services = last.utc_s, {last.service}
         end_s = begin_s + length_s
         while self.found and begin_s < self.found[-1].utc_s + self.found[-1].seconds:
             before = self.found.pop()
@@ -303,7 +303,7 @@ class Recording(dict[str, dict[str, Column]]):
     def add(self, status: Status) -> None:
         """Append a status to the columns of its service."""
         self._gaps.add(status)
-        columns = self[status.kind]
+        columns = self[status.service]
         length = len(columns.get("robot_cycles", ()))
         for name, value in flatten(status).items():
             # After a reboot, the robot may have more channels.

@@ -157,7 +157,7 @@ def _watch(found: Findings, options: Options, probe: Probe, say: Say) -> None:
 
 
 def _check_services(found: Findings, robot: Robot, say: Say) -> None:
-    listed = {entry.kind for entry in robot.properties.services}
+    listed = {entry.service for entry in robot.properties.services}
     found.missing = [service for service in _SERVICES if service not in listed]
     text = f"{len(robot.properties.services)} services"
     if found.missing:
@@ -211,7 +211,7 @@ def _look_elsewhere(found: Findings, robot: Robot, address: tuple[str, int]) -> 
         if not robot.service_link(stream.service).subscribed
     ]
     mute = {s.service for s in found.streams if s.received == 0 and s.service not in found.refused}
-    ids = [entry.id for entry in robot.properties.services if entry.kind in mute]
+    ids = [entry.id for entry in robot.properties.services if entry.service in mute]
     if ids:
         found.other_source = other_source(address, ids[0], _LISTEN_S)
 

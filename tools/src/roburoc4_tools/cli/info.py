@@ -63,12 +63,12 @@ def _wait_for_descriptions(robot: Robot) -> None:
 
 
 def _document(address: str, properties: Properties, channels: ChannelNames) -> dict[str, Any]:
-    kinds = {entry.kind for entry in properties.services}
+    listed = {entry.service for entry in properties.services}
     return {
         "robot": address,
         "services": properties.services,
         "iocard": properties.iocard,
-        "telemeter": properties.telemeter if "telemeter" in kinds else None,
+        "telemeter": properties.telemeter if "telemeter" in listed else None,
         "battery": properties.battery,
         "localization": properties.localization,
         "differential": properties.differential,
@@ -92,7 +92,8 @@ def _sections(
     services = [
         (
             f"{entry.id}",
-            f"{printable(entry.name) or '(no name)'}  type 0x{entry.type:04x}  {entry.kind or ''}",
+            f"{printable(entry.name) or '(no name)'}  type 0x{entry.type:04x}  "
+            f"{entry.service or ''}",
         )
         for entry in properties.services
     ]

@@ -91,7 +91,7 @@ def record_of(status: Status) -> dict[str, Any]:
     """Make the JSON object of a status."""
     from roburoc4 import BatteryStatus
 
-    record = {"service": status.kind, "utc_s": status.utc_s, **plain(status)}
+    record = {"service": status.service, "utc_s": status.utc_s, **plain(status)}
     del record["host_us"]
     if isinstance(status, BatteryStatus):
         record["state_name"] = status.state_name

@@ -336,7 +336,7 @@ class _Pass:
 
     def _find_layout(self) -> Layout:
         properties = self.robot.properties
-        ids = {entry.kind: entry.id for entry in properties.services}
+        ids = {entry.service: entry.id for entry in properties.services}
         usual = Layout()
         services = [ids.get(name, usual[at]) for at, name in enumerate(STATUS_SERVICES)]
         channels = usual[5:] if properties.iocard is None else properties.iocard
@@ -498,7 +498,7 @@ class RecordedRobot:
         kind = service_of(service).name.lower()
         columns: dict[str, list[Any]] = {}
         for status in self:
-            if status.kind == kind:
+            if status.service == kind:
                 for name, value in flatten(status).items():
                     columns.setdefault(name, []).append(value)
         return {name: np.asarray(column) for name, column in columns.items()}

@@ -64,7 +64,7 @@ def cells(status: Status) -> dict[str, Cell]:
 
     # 1 and 0 instead of True and False: every CSV reader takes them for numbers.
     return {
-        f"{status.kind}_{name}": None if value is None else +value
+        f"{status.service}_{name}": None if value is None else +value
         for name, value in plain(flatten(status)).items()
         if name not in ("robot_cycles", "host_us", "utc_s")
     }

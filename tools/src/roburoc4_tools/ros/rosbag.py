@@ -134,7 +134,7 @@ class RosBag:
         if self._robot is None:
             return found
         properties = self._robot.properties
-        services = [f"{each.name or each.kind} ({each.id})" for each in properties.services]
+        services = [f"{each.name or each.service} ({each.id})" for each in properties.services]
         found["services"] = ", ".join(services)
         for name in ("differential", "battery", "localization"):
             found[name] = str(getattr(properties, name))
