@@ -19,7 +19,7 @@ VALUES: list[Any] = [
 ]
 BATTERY = bytes.fromhex("ff0400 6400000000000000 02 5a")
 ROBOT: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
-    "drive": ({"linear_m_s": 0.1, "angular_rad_s": 0.1}, ("lease",)),
+    "drive": ({"linear_m_s": 0.1, "angular_rad_s": 0.1}, ("lease_s",)),
     "drive_for": ({"linear_m_s": 0.1, "angular_rad_s": 0.1, "seconds": 0.1}, ()),
     "move": ({"distance_m": 0.1}, ("speed", "clearance", "timeout", "on_progress")),
     "move_for": ({"linear_m_s": 0.1, "angular_rad_s": 0.1, "seconds": 0.3}, ("clearance",)),
