@@ -397,7 +397,7 @@ int32_t family_go(family_rig *rig, roburoc4_move *move, uint32_t most_ms,
         }
         family_pass(rig, 10);
     }
-    return move->result;
+    return move->outcome;
 }
 
 /* ------------------------------------------------------------------------------- the judge ---- */
@@ -479,7 +479,7 @@ void family_print(const family_member *m, const family_verdict *v) {
            v->fault != NULL ? v->fault : "fine", v->error, v->overshoot, v->reversals, v->took_s,
            v->allowed_s, v->steepest);
     if (v->result != ROBUROC4_MOVE_REACHED) {
-        printf(" (%s)", roburoc4_move_result_text(v->result));
+        printf(" (%s)", roburoc4_move_outcome_text(v->result));
     }
     printf("\n");
 }

@@ -78,8 +78,8 @@ static void go(drive *d, roburoc4_move *move) {
     }
     pass(d, 1000000);
     look(d, &d->end);
-    if (move->result != ROBUROC4_MOVE_REACHED) {
-        fprintf(stderr, "moves: %s\n", roburoc4_move_result_text(move->result));
+    if (move->outcome != ROBUROC4_MOVE_REACHED) {
+        fprintf(stderr, "moves: %s\n", roburoc4_move_outcome_text(move->outcome));
         exit(1);
     }
 }

@@ -30,6 +30,6 @@ int main(int argc, char **argv) {
     }
     roburoc4_move_by(&move, 0.5f, 0.0f, NULL); /* metres ahead, and radians to the left */
     result = roburoc4_pump_move(pump, &move);
-    printf("drive: %s\n", roburoc4_move_result_text(result));
+    printf("drive: %s\n", roburoc4_move_outcome_text(result));
     return result != ROBUROC4_MOVE_REACHED; /* here the pump stops the robot, if it still moves */
 }

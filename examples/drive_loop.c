@@ -46,7 +46,7 @@ int main(int argc, char **argv) {
         now_us = roburoc4_udp_now_us();
     }
     roburoc4_move_cancel(&move, &client, now_us); /* does nothing where the move has ended */
-    puts(roburoc4_move_result_text(move.result));
+    puts(roburoc4_move_outcome_text(move.outcome));
     if (roburoc4_client_localization(&client, &pose, NULL) == 0) {
         printf("x %.2f m, y %.2f m\n", pose.x_m, pose.y_m);
     }
@@ -54,5 +54,5 @@ int main(int argc, char **argv) {
     while (roburoc4_client_state(&client) != ROBUROC4_STATE_IDLE) {
         roburoc4_udp_wait(&udp, &client, 50000);
     }
-    return move.result != ROBUROC4_MOVE_REACHED;
+    return move.outcome != ROBUROC4_MOVE_REACHED;
 }

@@ -55,7 +55,7 @@ int main(int argc, char **argv) {
         ended = roburoc4_pump_move(pump, &move);
         write_poses(&reader, stdout); /* what the pump has kept meanwhile: 10,000 samples */
         if (ended != ROBUROC4_MOVE_REACHED) {
-            fprintf(stderr, "drive_pump: %s\n", roburoc4_move_result_text(ended));
+            fprintf(stderr, "drive_pump: %s\n", roburoc4_move_outcome_text(ended));
             result = ROBUROC4_ERR_STOPPED;
         }
     }

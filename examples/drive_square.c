@@ -49,7 +49,7 @@ static int32_t go(roburoc4_move *move, FILE *path) {
         }
     }
     roburoc4_move_cancel(move, &client, now_us); /* does nothing where the move has ended */
-    return move->result;
+    return move->outcome;
 }
 
 int main(int argc, char **argv) {
@@ -71,7 +71,7 @@ int main(int argc, char **argv) {
         i % 2 == 0 ? roburoc4_move_by(&move, 2.0f, 0, NULL)
                    : roburoc4_move_by(&move, 0, 1.5708f, NULL);
         reached = go(&move, path);
-        printf("move %d: %s\n", i + 1, roburoc4_move_result_text(reached));
+        printf("move %d: %s\n", i + 1, roburoc4_move_outcome_text(reached));
     }
     roburoc4_client_close(&client, roburoc4_udp_now_us());
     while (roburoc4_client_state(&client) != ROBUROC4_STATE_IDLE) {

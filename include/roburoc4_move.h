@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * roburoc4_move.h - one metre forward, a quarter turn, go to a point, come to rest: moves of a
- * roburoc4_client, with ramps, odometry and a result.
+ * roburoc4_client, with ramps, odometry and an outcome.
  *
  * THE MODEL
  *
@@ -17,7 +17,7 @@
  *         (void)result; // if it was refused, the next step says why
  *         ... receive and send, as roburoc4_udp_wait() does; read the clock ...
  *     }
- *     puts(roburoc4_move_result_text(move.result));
+ *     puts(roburoc4_move_outcome_text(move.outcome));
  *
  * A move never arms and never renews a lease, so a program that hangs or abandons its move stops
  * the robot as after any drive().
@@ -45,15 +45,15 @@
  *                 slanted surfaces, everything outside of their cones. Backing away from an
  *                 obstacle is possible. What is not seen is not free: a move with a clearance needs
  *                 a fresh distance in its direction, and bumpers that are known.
- *   The end       Whatever the result, the last step calls roburoc4_client_pause(), which sends a
+ *   The end       Whatever the outcome, the last step calls roburoc4_client_pause(), which sends a
  *                 stop sequence. After ROBUROC4_MOVE_REACHED the robot is at rest; after the others
  *                 it may still roll: roburoc4_move_rest() waits for that.
  *
  * CONVENTIONS
  *
  *   Those of roburoc4.h. Moves need no allocation, clock or math library. Use a move from one
- *   thread at a time, with its client. A move ends with a result and stays ended until it is begun
- *   again; nothing needs to be freed.
+ *   thread at a time, with its client. A move ends with an outcome and stays ended until it is
+ * begun again; nothing needs to be freed.
  */
 #ifndef ROBUROC4_MOVE_H
 #define ROBUROC4_MOVE_H
@@ -64,7 +64,7 @@
 extern "C" {
 #endif
 
-/* -------------------------------------------------------------------------------- results --- */
+/* ------------------------------------------------------------------------------- outcomes --- */
 
 #define ROBUROC4_MOVE_RUNNING 0
 #define ROBUROC4_MOVE_REACHED 1         /* at the goal, and at rest */
@@ -87,10 +87,10 @@ extern "C" {
 #define ROBUROC4_MOVE_NO_FRONT_TELEMETER 17
 #define ROBUROC4_MOVE_NO_REAR_TELEMETER 18
 
-/** A result as one English sentence without a full stop: what happened and what to do. Of a
+/** An outcome as one English sentence without a full stop: what happened and what to do. Of a
  * negative number, which roburoc4_pump_move() may return, that of roburoc4_result_text(); "unknown
- * result" for an invalid one. Valid as long as the program runs. */
-ROBUROC4_API const char *roburoc4_move_result_text(int32_t result);
+ * outcome" for an invalid one. Valid as long as the program runs. */
+ROBUROC4_API const char *roburoc4_move_outcome_text(int32_t outcome);
 
 /* -------------------------------------------------------------------------------- options --- */
 
@@ -124,7 +124,7 @@ typedef struct roburoc4_private_fit {
 /** A move (frozen: its size never changes). Read the first fields after each step; the others are
  *  private. */
 typedef struct roburoc4_move {
-    int32_t result;                   /* ROBUROC4_MOVE_* */
+    int32_t outcome;                  /* ROBUROC4_MOVE_* */
     roburoc4_result cause;            /* why the client disarmed, if that ended the move; else 0 */
     float linear_m_s, angular_rad_s;  /* speeds to drive now; 0 after the end */
     float distance_m, angle_rad;      /* covered and turned so far, by odometry; backward and to the
@@ -183,7 +183,7 @@ ROBUROC4_API roburoc4_result roburoc4_move_rest(roburoc4_move *move,
  *  roburoc4_client_pause(). A lease that ends without the move ends the move: as
  *  ROBUROC4_MOVE_CANCELLED after roburoc4_client_stop() or _pause() elsewhere in the program, as
  *  ROBUROC4_MOVE_LAPSED if it expired: then the client disarms, as after any lapse. Returns
- *  move->result; an ended move does nothing. */
+ *  move->outcome; an ended move does nothing. */
 ROBUROC4_API int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client,
                                         uint64_t now_us);
 /** The input of a move. roburoc4_move_step() takes it from a client. If another process has the
@@ -212,7 +212,7 @@ typedef struct roburoc4_move_view {
 
 /** roburoc4_move_step() with your own view. When the move ends, your program must stop the robot;
  *  for a move to rest, stop it before. A view of a size that the library does not know ends the
- *  move as ROBUROC4_MOVE_CANCELLED, with ROBUROC4_ERR_SIZE as its cause. Returns move->result. */
+ *  move as ROBUROC4_MOVE_CANCELLED, with ROBUROC4_ERR_SIZE as its cause. Returns move->outcome. */
 ROBUROC4_API int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *view,
                                              uint64_t now_us);
 /** End a move that runs, and stop. */

@@ -122,10 +122,10 @@ ROBUROC4_API void roburoc4_pump_unlock(roburoc4_pump *pump);
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump,
                                                                    uint32_t timeout_us);
 /** Drive a move to its end: take its steps, and grant the speeds that it proposes. Waits for the
- *  move's own time-out at most. Returns move->result (roburoc4_move_result_text() names it), which
- * is ROBUROC4_MOVE_CANCELLED after roburoc4_pump_request_stop(); or ROBUROC4_ERR_CLOSED, also with
- * a pump that was made without an address. Between two steps the lock is free: other threads may
- * read values, or end the move by roburoc4_client_pause() or _stop(). */
+ *  move's own time-out at most. Returns move->outcome (roburoc4_move_outcome_text() names it),
+ * which is ROBUROC4_MOVE_CANCELLED after roburoc4_pump_request_stop(); or ROBUROC4_ERR_CLOSED, also
+ * with a pump that was made without an address. Between two steps the lock is free: other threads
+ * may read values, or end the move by roburoc4_client_pause() or _stop(). */
 ROBUROC4_API int32_t roburoc4_pump_move(roburoc4_pump *pump, roburoc4_move *move);
 /** For signal handlers: stop the robot and disarm, as roburoc4_client_stop() does. It only sets a
  * request for the thread, so it never waits and keeps errno; the link stays up. If the lock is held

@@ -120,8 +120,8 @@ void publish_properties(robot *robot, gate_time now) {
 }
 
 /* Where the library's text is for its callers, that for senders of messages. */
-static const char *move_text(int32_t result) {
-    switch (result) {
+static const char *move_text(int32_t outcome) {
+    switch (outcome) {
     case ROBUROC4_MOVE_CANCELLED:
         return "ended by a command, or the robot was disarmed: see BRIDGE_STATE";
     case ROBUROC4_MOVE_LAPSED:
@@ -131,7 +131,7 @@ static const char *move_text(int32_t result) {
         return "a speed beyond the ceilings: ask for less, or start the bridge with a higher "
                "--max-linear or --max-angular";
     default:
-        return roburoc4_move_result_text(result);
+        return roburoc4_move_outcome_text(outcome);
     }
 }
 
@@ -141,8 +141,8 @@ void publish_move_status(robot *robot, gate_time now) {
         .utime = now.utime,
         .sender = (char *)moving->sender, /* LCM's encoders only read */
         .move_id = moving->id,
-        .result = moving->move.result,
-        .message = (char *)move_text(moving->move.result),
+        .outcome = moving->move.outcome,
+        .message = (char *)move_text(moving->move.outcome),
         .distance_m = (double)moving->move.distance_m,
         .angle_rad = (double)moving->move.angle_rad,
         .remaining_m = (double)moving->move.remaining_m,

@@ -162,7 +162,7 @@ static void end_move(robot *robot, gate_time now) {
 /* Something else drives or stops the robot from now on. */
 static void cancel_move(robot *robot, gate_time now) {
     if (robot->moving.active) {
-        robot->moving.move.result = ROBUROC4_MOVE_CANCELLED;
+        robot->moving.move.outcome = ROBUROC4_MOVE_CANCELLED;
         end_move(robot, now);
     }
 }
@@ -201,7 +201,7 @@ static void take_move(robot *robot, const command *command, uint32_t lease_us, g
 static void step_move(robot *robot, gate_time now) {
     robot_move *moving = &robot->moving;
     if (now.us >= moving->until_us) {
-        moving->move.result = ROBUROC4_MOVE_LAPSED;
+        moving->move.outcome = ROBUROC4_MOVE_LAPSED;
     } else if (roburoc4_move_step(&moving->move, &robot->client, now.us) == ROBUROC4_MOVE_RUNNING) {
         const uint64_t left_us = moving->until_us - now.us;
         roburoc4_result ignored = roburoc4_client_drive(
@@ -209,7 +209,7 @@ static void step_move(robot *robot, gate_time now) {
             left_us > ROBUROC4_MIN_LEASE_US ? (uint32_t)left_us : ROBUROC4_MIN_LEASE_US, now.us);
         (void)ignored;
     }
-    if (moving->move.result != ROBUROC4_MOVE_RUNNING) {
+    if (moving->move.outcome != ROBUROC4_MOVE_RUNNING) {
         end_move(robot, now);
     }
 }

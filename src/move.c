@@ -118,7 +118,7 @@ static roburoc4_result begin(roburoc4_move *m, uint8_t kind, float length, float
         }
         result = checked(m);
     }
-    m->result = result < 0 ? ROBUROC4_MOVE_CANCELLED : ROBUROC4_MOVE_RUNNING;
+    m->outcome = result < 0 ? ROBUROC4_MOVE_CANCELLED : ROBUROC4_MOVE_RUNNING;
     return result;
 }
 
@@ -170,7 +170,7 @@ static roburoc4_result begin_to(roburoc4_move *m, uint8_t kind, double x_m, doub
     const roburoc4_result result = begin(m, kind, 0, finite ? unfixed(goal[2]) : FAR_M, options);
     memcpy(m->private_place, goal, sizeof goal);
     if (!finite) {
-        m->result = ROBUROC4_MOVE_CANCELLED;
+        m->outcome = ROBUROC4_MOVE_CANCELLED;
     }
     return finite ? result : ROBUROC4_ERR_NOT_FINITE;
 }
@@ -464,8 +464,8 @@ static bool witnesses_disagree(const roburoc4_move *m) {
     return false;
 }
 
-static int32_t result_of(roburoc4_result cause) {
-    static const int8_t results[][2] = {
+static int32_t outcome_of(roburoc4_result cause) {
+    static const int8_t outcomes[][2] = {
         {ROBUROC4_ERR_OVERRIDE, ROBUROC4_MOVE_OVERRIDE},
         {ROBUROC4_ERR_OVERRIDE_UNKNOWN, ROBUROC4_MOVE_OVERRIDE},
         {ROBUROC4_ERR_OTHER_COMMANDER, ROBUROC4_MOVE_OTHER_COMMANDER},
@@ -473,9 +473,9 @@ static int32_t result_of(roburoc4_result cause) {
         {ROBUROC4_ERR_LAPSED, ROBUROC4_MOVE_LAPSED},
         {ROBUROC4_ERR_DISARMED, ROBUROC4_MOVE_CANCELLED},
         {ROBUROC4_ERR_STOPPED, ROBUROC4_MOVE_CANCELLED}};
-    for (uint32_t i = 0; i < sizeof results / sizeof *results; i++) {
-        if (results[i][0] == cause) {
-            return results[i][1];
+    for (uint32_t i = 0; i < sizeof outcomes / sizeof *outcomes; i++) {
+        if (outcomes[i][0] == cause) {
+            return outcomes[i][1];
         }
     }
     return ROBUROC4_MOVE_LOST;
@@ -483,21 +483,21 @@ static int32_t result_of(roburoc4_result cause) {
 
 /** Reasons to end the move, whether it has arrived or not. */
 static int32_t reason_to_end(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
-    int32_t result = ROBUROC4_MOVE_RUNNING;
+    int32_t outcome = ROBUROC4_MOVE_RUNNING;
     if (m->private_kind == REST) {
-        result = v->overridden ? ROBUROC4_MOVE_OVERRIDE : ROBUROC4_MOVE_RUNNING;
+        outcome = v->overridden ? ROBUROC4_MOVE_OVERRIDE : ROBUROC4_MOVE_RUNNING;
     } else if (v->inhibited) {
-        result = ROBUROC4_MOVE_INHIBITED;
+        outcome = ROBUROC4_MOVE_INHIBITED;
     } else if (!v->armed) {
         m->cause = v->disarm_cause;
-        result = result_of(m->cause);
+        outcome = outcome_of(m->cause);
     } else if (m->private_ready) {
-        result = blocked(m, v);
-        if (result == ROBUROC4_MOVE_RUNNING && witnesses_disagree(m)) {
-            result = ROBUROC4_MOVE_ODOMETRY;
+        outcome = blocked(m, v);
+        if (outcome == ROBUROC4_MOVE_RUNNING && witnesses_disagree(m)) {
+            outcome = ROBUROC4_MOVE_ODOMETRY;
         }
     }
-    return result != ROBUROC4_MOVE_RUNNING ? result
+    return outcome != ROBUROC4_MOVE_RUNNING ? outcome
            : now_us - m->private_heard_us > SILENCE_US ||
                    (m->private_posed && now_us - m->private_pose_us > SILENCE_US)
                ? ROBUROC4_MOVE_LOST
@@ -625,47 +625,47 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
     return ROBUROC4_MOVE_RUNNING;
 }
 
-int32_t roburoc4_move_end(roburoc4_move *m, int32_t result) {
-    m->result = result;
+int32_t roburoc4_move_end(roburoc4_move *m, int32_t outcome) {
+    m->outcome = outcome;
     m->linear_m_s = 0;
     m->angular_rad_s = 0;
-    return result;
+    return outcome;
 }
 
 int32_t roburoc4_move_advance(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
-    int32_t result = m->private_ready ? ROBUROC4_MOVE_RUNNING : plan(m, v, now_us);
+    int32_t outcome = m->private_ready ? ROBUROC4_MOVE_RUNNING : plan(m, v, now_us);
     const uint64_t passed = now_us - m->private_step_us;
     const uint32_t passed_us = passed > STEP_MAX_US ? 0 : (uint32_t)passed;
     const bool ready = m->private_ready != 0;
-    if (result == ROBUROC4_MOVE_RUNNING && ready && !note_view(m, v, passed_us, now_us)) {
-        result = ROBUROC4_MOVE_RELOCALIZED;
+    if (outcome == ROBUROC4_MOVE_RUNNING && ready && !note_view(m, v, passed_us, now_us)) {
+        outcome = ROBUROC4_MOVE_RELOCALIZED;
     }
     m->private_step_us = now_us;
-    if (result == ROBUROC4_MOVE_RUNNING) {
-        result = reason_to_end(m, v, now_us);
+    if (outcome == ROBUROC4_MOVE_RUNNING) {
+        outcome = reason_to_end(m, v, now_us);
     }
     if (m->private_kind != FOR) {
         m->remaining_m = left_of(m, LENGTH);
         m->remaining_rad = left_of(m, ANGLE);
     }
-    if (result == ROBUROC4_MOVE_RUNNING && ready) {
+    if (outcome == ROBUROC4_MOVE_RUNNING && ready) {
         if (m->private_kind != REST) {
             propose(m, seconds_of(passed_us), now_us);
         }
         if (arrived(m)) {
             const bool beside = off_course(m);
-            result = beside        ? ROBUROC4_MOVE_OFF_COURSE
-                     : next_leg(m) ? ROBUROC4_MOVE_RUNNING
-                                   : ROBUROC4_MOVE_REACHED;
+            outcome = beside        ? ROBUROC4_MOVE_OFF_COURSE
+                      : next_leg(m) ? ROBUROC4_MOVE_RUNNING
+                                    : ROBUROC4_MOVE_REACHED;
         }
     }
-    return result == ROBUROC4_MOVE_RUNNING ? result : roburoc4_move_end(m, result);
+    return outcome == ROBUROC4_MOVE_RUNNING ? outcome : roburoc4_move_end(m, outcome);
 }
 
 int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *view,
                                 uint64_t now_us) {
-    if (move->result != ROBUROC4_MOVE_RUNNING) {
-        return move->result;
+    if (move->outcome != ROBUROC4_MOVE_RUNNING) {
+        return move->outcome;
     }
     roburoc4_move_view known = {0}; /* the view of an older program lacks the last fields */
     if (view->size < VIEW_SIZE_1_0 || !size_known(view->size, sizeof known)) {

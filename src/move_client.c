@@ -119,8 +119,8 @@ static bool too_fast(roburoc4_move *m, const roburoc4_client *client) {
 int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_t now_us) {
     roburoc4_move_view view;
     roburoc4_facts facts;
-    if (move->result != ROBUROC4_MOVE_RUNNING) {
-        return move->result;
+    if (move->outcome != ROBUROC4_MOVE_RUNNING) {
+        return move->outcome;
     }
     (void)roburoc4_client_facts(client, now_us, ROBUROC4_SIZED(&facts));
     /* After a lapse the stop sequence is sent already. pause() would keep the client armed. */
@@ -138,24 +138,24 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
     /* A robot that is brought to rest may have been driven by another commander since. A client
      * that disarmed itself has begun its stop sequence, and one that never drove commands nothing.
      */
-    const bool ended = move->result != ROBUROC4_MOVE_RUNNING;
+    const bool ended = move->outcome != ROBUROC4_MOVE_RUNNING;
     if (!lapsed && (ended ? facts.armed : move->private_kind == REST && !facts.stopping)) {
         (void)roburoc4_client_pause(client, now_us);
     }
-    if (move->result == ROBUROC4_MOVE_TIMEOUT && facts.other_commander) {
-        move->result = ROBUROC4_MOVE_OTHER_COMMANDER;
+    if (move->outcome == ROBUROC4_MOVE_TIMEOUT && facts.other_commander) {
+        move->outcome = ROBUROC4_MOVE_OTHER_COMMANDER;
     }
-    return move->result;
+    return move->outcome;
 }
 
 void roburoc4_move_cancel(roburoc4_move *move, roburoc4_client *client, uint64_t now_us) {
-    if (move->result == ROBUROC4_MOVE_RUNNING) {
+    if (move->outcome == ROBUROC4_MOVE_RUNNING) {
         roburoc4_move_end(move, ROBUROC4_MOVE_CANCELLED);
         (void)roburoc4_client_pause(client, now_us);
     }
 }
 
-const char *roburoc4_move_result_text(int32_t result) {
+const char *roburoc4_move_outcome_text(int32_t outcome) {
     static const char *const texts[] = {
         "the move is under way",
         "goal reached, the robot is at rest",
@@ -177,8 +177,8 @@ const char *roburoc4_move_result_text(int32_t result) {
         "no fresh distance ahead: check the front telemeter, or give a clearance of 0",
         "no fresh distance behind: check the rear telemeter, or give a clearance of 0",
     };
-    if (result < 0) {
-        return roburoc4_result_text(result);
+    if (outcome < 0) {
+        return roburoc4_result_text(outcome);
     }
-    return result < (int32_t)(sizeof texts / sizeof *texts) ? texts[result] : "unknown result";
+    return outcome < (int32_t)(sizeof texts / sizeof *texts) ? texts[outcome] : "unknown outcome";
 }

@@ -215,7 +215,7 @@ static int32_t step(roburoc4_pump *pump, roburoc4_move *move) {
         (void)granted; /* where it is refused, the next step ends the move and says why */
     }
     roburoc4_pump_flush(pump);
-    return move->result;
+    return move->outcome;
 }
 
 int32_t roburoc4_pump_move(roburoc4_pump *pump, roburoc4_move *move) {

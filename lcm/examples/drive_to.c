@@ -176,12 +176,12 @@ static int travel(trip *trip) {
                               "LCM_DEFAULT_URL have the bridge's ttl here?\n");
         return 1;
     }
-    if (trip->move.result == ROBUROC4_MOVE_REACHED) {
+    if (trip->move.outcome == ROBUROC4_MOVE_REACHED) {
         (void)printf("arrived at %.2f %.2f\n", trip->view.x_m, trip->view.y_m);
         return 0;
     }
     if (trip->stopped == 0) {
-        (void)fprintf(stderr, "drive_to: %s\n", roburoc4_move_result_text(trip->move.result));
+        (void)fprintf(stderr, "drive_to: %s\n", roburoc4_move_outcome_text(trip->move.outcome));
     }
     return 1;
 }

@@ -29,7 +29,7 @@ while time.monotonic() < end:  # a bridge that has just started drives only afte
 if not states:
     sys.exit("move.py: no bridge on this LCM network: start roburoc4-lcm with --enable-drive")
 begun = time.monotonic()
-while not (statuses and statuses[-1].result):
+while not (statuses and statuses[-1].outcome):
     command.utime = time.time_ns() // 1000  # old commands are rejected
     network.publish("ROBUROC4_MOVE_CMD", command.encode())
     network.handle_timeout(50)
@@ -40,4 +40,4 @@ while not (statuses and statuses[-1].result):
     if time.monotonic() > begun + 20:
         sys.exit("move.py: the bridge has not ended the move: is it still running?")
 print(statuses[-1].message)
-sys.exit(statuses[-1].result != statuses[-1].RESULT_REACHED)
+sys.exit(statuses[-1].outcome != statuses[-1].OUTCOME_REACHED)

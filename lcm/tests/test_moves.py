@@ -32,11 +32,11 @@ def status_of(bus: Bus, move_id: int) -> Any:
 def ends_as(bus: Bus, bridge: Bridge, move_id: int, result: int, seconds: float = 30) -> Any:
     def ended() -> bool:
         status = status_of(bus, move_id)
-        return status is not None and status.result != Status.RESULT_RUNNING
+        return status is not None and status.outcome != Status.OUTCOME_RUNNING
 
     until(ended, f"move {move_id} ends; the bridge said:\n{bridge.output}", seconds)
     status = status_of(bus, move_id)
-    assert status.result == result, status.message
+    assert status.outcome == result, status.message
     return status
 
 
@@ -53,7 +53,7 @@ def test_a_move_reaches_its_goal_once(
     robot: Robot, bus: Bus, armed: Bridge, fields: dict[str, float]
 ) -> None:
     with moving(bus, 7, **fields):
-        status = ends_as(bus, armed, 7, Status.RESULT_REACHED)
+        status = ends_as(bus, armed, 7, Status.OUTCOME_REACHED)
         time.sleep(0.5)
     assert status.sender == "planner"
     assert status.distance_m == pytest.approx(0.6, abs=0.1)
@@ -68,7 +68,7 @@ def test_a_stop_ends_a_move_for_good(robot: Robot, bus: Bus, armed: Bridge) -> N
         until(robot.tap.moves, "it drives")
         stop_us = now_us()
         bus.publish("ROBUROC4_STOP_CMD", stop_command("operator").encode())
-        status = ends_as(bus, armed, 1, Status.RESULT_CANCELLED)
+        status = ends_as(bus, armed, 1, Status.OUTCOME_CANCELLED)
         time.sleep(1.5)
     assert robot.tap.moves(stop_us + 150_000) == []
     assert status.remaining_m > 1
@@ -77,14 +77,14 @@ def test_a_stop_ends_a_move_for_good(robot: Robot, bus: Bus, armed: Bridge) -> N
     time.sleep(0.5)
     assert robot.tap.moves(stop_us + 150_000) == [], "a move that has ended does not begin again"
     with moving(bus, 2, distance_m=0.3):
-        ends_as(bus, armed, 2, Status.RESULT_REACHED)
+        ends_as(bus, armed, 2, Status.OUTCOME_REACHED)
 
 
 def test_a_speed_of_its_sender_ends_a_move(robot: Robot, bus: Bus, armed: Bridge) -> None:
     bus.publish(MOVE, move_command(1, distance_m=3.0).encode())
     until(robot.tap.moves, "it drives")
     bus.publish("ROBUROC4_DRIVE_CMD", drive_command(-0.25).encode())
-    ends_as(bus, armed, 1, Status.RESULT_CANCELLED)
+    ends_as(bus, armed, 1, Status.OUTCOME_CANCELLED)
     until(lambda: robot.tap.moves()[-1].linear_m_s == -0.25, "the speed is driven")
 
 
@@ -110,13 +110,13 @@ def test_other_units_are_named(
 def test_texts_are_those_of_lcm(robot: Robot, bus: Bus, start_bridge: StartBridge) -> None:
     bridge = start_bridge("--enable-drive", "--max-linear", "0.4").arms()
     bus.publish(MOVE, move_command(1, distance_m=3.0).encode())
-    assert "move_id" in ends_as(bus, bridge, 1, Status.RESULT_LAPSED).message
+    assert "move_id" in ends_as(bus, bridge, 1, Status.OUTCOME_LAPSED).message
     with moving(bus, 2, distance_m=1.0, linear_m_s=0.5):
-        assert "--max-linear" in ends_as(bus, bridge, 2, Status.RESULT_TOO_FAST).message
+        assert "--max-linear" in ends_as(bus, bridge, 2, Status.OUTCOME_TOO_FAST).message
     with moving(bus, 3, distance_m=3.0):
         until(lambda: status_of(bus, 3), "it begins")
         bus.publish("ROBUROC4_STOP_CMD", stop_command("operator").encode())
-        status = ends_as(bus, bridge, 3, Status.RESULT_CANCELLED)
+        status = ends_as(bus, bridge, 3, Status.OUTCOME_CANCELLED)
     assert "BRIDGE_STATE" in status.message
 
 
@@ -124,4 +124,4 @@ def test_the_end_of_the_bridge_ends_a_move(robot: Robot, bus: Bus, armed: Bridge
     with moving(bus, 1, distance_m=3.0):
         until(robot.tap.moves, "it drives")
         armed.signal(signal.SIGTERM)
-        ends_as(bus, armed, 1, Status.RESULT_CANCELLED, 3)
+        ends_as(bus, armed, 1, Status.OUTCOME_CANCELLED, 3)

@@ -140,7 +140,7 @@ static void move(void) {
         }
         pass(50000);
     }
-    check(move->result == ROBUROC4_MOVE_REACHED, roburoc4_move_result_text(move->result));
+    check(move->outcome == ROBUROC4_MOVE_REACHED, roburoc4_move_outcome_text(move->outcome));
     check(robot_x_m() > begun_m + 0.9, "the move is too short");
     memset(&all.move_view.value, 0, sizeof all.move_view.value);
     check(roburoc4_move_by(move, 1.0f, 0.0f, NULL) == 0, "second move");

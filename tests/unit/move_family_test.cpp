@@ -136,7 +136,7 @@ TEST_F(MoveFault, APoseFromBeforeARebootPlansNothing) {
     for (int i = 0; i < 300; i++) { /* from the reboot until well after the client knows of it */
         ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, rig.robot.pose[0] + 0.3, 0, &options));
         const std::int32_t result = go();
-        EXPECT_LT(std::fabs(drove()), 0.32) << roburoc4_move_result_text(result);
+        EXPECT_LT(std::fabs(drove()), 0.32) << roburoc4_move_outcome_text(result);
         (void)roburoc4_client_arm(&rig.client, family_now_us(&rig));
         if (result == ROBUROC4_MOVE_REACHED)
             return;
@@ -255,7 +255,7 @@ TEST_F(MoveFault, ATimeIsATimeHoweverFarTheRobotComes) {
         (void)go();
         EXPECT_LE(rig.last_ms - rig.first_ms, 3000U) << gain;
         if (gain == 1.0) {
-            EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result);
+            EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.outcome);
             EXPECT_NEAR(3000, rig.last_ms - rig.first_ms, 20);
             EXPECT_NEAR(0.3 * 3 - 0.3 * 0.3 / 0.5, drove(), 0.02);
             EXPECT_LT(rig.steepest[0], 0.51);

@@ -111,7 +111,7 @@ class Moving : public testing::Test {
                 std::max(most_turned, std::fabs(wrapped(s.true_theta_rad - start.true_theta_rad)));
         }
         took_s = static_cast<double>(now() - begun_us) * 1e-6;
-        return move.result;
+        return move.outcome;
     }
     /** Ahead and to the left of where the last move started, and turned since. */
     double ahead() {
@@ -509,7 +509,7 @@ TEST_F(Move, ACancelledMoveStopsTheRobot) {
 TEST_F(Move, ThatHasEndedKeepsItsResultWhenItIsCancelled) {
     ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(0.1F));
     roburoc4_move_cancel(&move, &client, now());
-    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result);
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.outcome);
 }
 
 TEST_F(Move, AViewOfAnUnknownSizeEndsIt) {
@@ -749,7 +749,7 @@ TEST_F(Move, BadArgumentsAreRefused) {
     roburoc4_move_options many = options;
     many.turns = 1;
     EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, roburoc4_move_to_point(&move, no_number, 0, &many));
-    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, move.result);
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, move.outcome);
     for (float roburoc4_move_options::*field :
          {&roburoc4_move_options::linear_m_s, &roburoc4_move_options::angular_rad_s,
           &roburoc4_move_options::linear_m_s2, &roburoc4_move_options::angular_rad_s2}) {
@@ -757,7 +757,7 @@ TEST_F(Move, BadArgumentsAreRefused) {
             roburoc4_move_options changed = options;
             changed.*field = bad;
             EXPECT_LT(roburoc4_move_by(&move, 1.0F, 0, &changed), 0);
-            EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, move.result);
+            EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, move.outcome);
         }
     }
     for (const float bad : {-1.0F, nan, infinite}) {
@@ -826,7 +826,7 @@ class MoveView : public testing::Test {
             }
             roburoc4_move_step_view(&move, &view, now_us);
         }
-        return move.result;
+        return move.outcome;
     }
     double x_m = 0, y_m = 0, theta_rad = 0;
     float turning_rad_s = 0; /* not commanded */
@@ -918,7 +918,7 @@ TEST_F(MoveView, ALegIsAsGoodAsAMoveOfItsOwn) {
             if (x_m > 0.9 && (!speeds[alone].empty() || std::fabs(move.angular_rad_s) > 0.01F))
                 speeds[alone].push_back(move.angular_rad_s);
         }
-        EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result);
+        EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.outcome);
     }
     ASSERT_NEAR(static_cast<double>(speeds[0].size()), static_cast<double>(speeds[1].size()), 1);
     for (std::size_t i = 0; i < std::min(speeds[0].size(), speeds[1].size()); i++)
@@ -931,7 +931,7 @@ TEST_F(MoveView, AnArcEndsWithATurnWhereItsAngleIsMissed) {
     step();
     while (follow(50000, 1, 0.9) == ROBUROC4_MOVE_RUNNING) {
     }
-    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result);
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.outcome);
     EXPECT_NEAR(1.5, theta_rad, 0.0175 + 0.01);
     EXPECT_NEAR(0.2F, move.distance_m, 0.01F) << "of all legs";
 }
@@ -953,7 +953,7 @@ TEST_F(MoveView, ALineIsNotReachedWhileTheRobotTurns) {
     turning_rad_s = 0;
     for (int i = 0; i < 20 && follow() == ROBUROC4_MOVE_RUNNING; i++) {
     }
-    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result);
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.outcome);
 }
 
 TEST_F(MoveView, BumpersThatAreNotKnownMustBeRenounced) {
@@ -1054,7 +1054,7 @@ TEST_F(MoveView, HoweverFarItStraysItTurnsBackWithinTheLimit) {
         ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 10, 0, &options));
         view.pose_cycles = 0;
         float most = 0;
-        for (int i = 0; i < 200 && move.result == ROBUROC4_MOVE_RUNNING; i++) {
+        for (int i = 0; i < 200 && move.outcome == ROBUROC4_MOVE_RUNNING; i++) {
             view.linear_m_s = view.sent_linear_m_s = move.linear_m_s;
             view.angular_rad_s = side * 0.1F;
             now_us += 5 * cycle_us;
@@ -1062,7 +1062,7 @@ TEST_F(MoveView, HoweverFarItStraysItTurnsBackWithinTheLimit) {
             roburoc4_move_step_view(&move, &view, now_us);
             most = std::max(most, -side * move.angular_rad_s);
         }
-        EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, move.result) << "it does not turn as commanded";
+        EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, move.outcome) << "it does not turn as commanded";
         EXPECT_GT(most, 0.05F);
         EXPECT_LE(most, options.angular_rad_s);
     }
@@ -1077,13 +1077,13 @@ TEST_F(MoveView, ItReturnsToItsLineForwardAndBackward) {
         view.y_m = 0.1; /* to the left, heading along the line */
         step();
         step();
-        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, move.result);
+        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, move.outcome);
         EXPECT_LT(way_m * move.angular_rad_s, -0.01F) << way_m;
         for (int i = 0; i < 9; i++) {
             view.y_m += 0.1;
             step();
         }
-        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, move.result);
+        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, move.outcome);
         EXPECT_NEAR(std::fabs(move.angular_rad_s), 0.4F * 0.2F, 0.005F) << "not at right angles";
     }
 }
@@ -1127,7 +1127,7 @@ TEST_F(MoveView, ARobotMayFollowTwoSecondsLateAndNotFour) {
         ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 3, 0, nullptr));
         view.linear_m_s = rolled != 0 ? 0.5F : 0;
         std::uint64_t moved_us = 0;
-        for (int i = 0; move.result == ROBUROC4_MOVE_RUNNING && moved_us < 5 * second; i++) {
+        for (int i = 0; move.outcome == ROBUROC4_MOVE_RUNNING && moved_us < 5 * second; i++) {
             now_us += 50000;
             view.speed_cycles += 5;
             view.linear_m_s = i < rolled ? view.linear_m_s : 0;
@@ -1135,7 +1135,7 @@ TEST_F(MoveView, ARobotMayFollowTwoSecondsLateAndNotFour) {
             roburoc4_move_step_view(&move, &view, now_us);
             moved_us += i >= rolled && move.linear_m_s > 0 ? 50000 : 0;
         }
-        EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, move.result);
+        EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, move.outcome);
         EXPECT_GT(moved_us, 2350000U) << rolled;
         EXPECT_LT(moved_us, 4 * second) << rolled;
     }
@@ -1228,7 +1228,7 @@ TEST_F(MoveView, ARobotThatNeverRestsEndsTheWaitForItAfterFiveSeconds) {
     const std::uint64_t begun_us = now_us;
     while (step() == ROBUROC4_MOVE_RUNNING && now_us < begun_us + 60 * second) {
     }
-    EXPECT_EQ(ROBUROC4_MOVE_TIMEOUT, move.result);
+    EXPECT_EQ(ROBUROC4_MOVE_TIMEOUT, move.outcome);
     EXPECT_NEAR(5e6, static_cast<double>(now_us - begun_us), 1e5);
 }
 
@@ -1270,7 +1270,7 @@ TEST_F(MoveView, AnArcIsExactHoweverSeldomItsStatusesCome) {
             step();
             while (follow(status_us) == ROBUROC4_MOVE_RUNNING) {
             }
-            EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result) << status_us;
+            EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.outcome) << status_us;
             EXPECT_NEAR(1, x_m, 0.003) << status_us;
             EXPECT_NEAR(side, y_m, 0.012) << status_us;
             EXPECT_NEAR(side * pi / 2, theta_rad, 0.006) << status_us;
@@ -1282,7 +1282,7 @@ TEST_F(MoveView, ATightArcIsNoFasterThanItsTurnMayBe) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2, 12, &options));
     view.pose_cycles = 0;
     float most = 0;
-    for (int i = 0; i < 60 && move.result == ROBUROC4_MOVE_RUNNING; i++) {
+    for (int i = 0; i < 60 && move.outcome == ROBUROC4_MOVE_RUNNING; i++) {
         now_us += 50000;
         view.speed_cycles += 5;
         view.linear_m_s = view.sent_linear_m_s = move.linear_m_s;
@@ -1308,7 +1308,7 @@ TEST(MoveOfAClient, TurnsByTheAngleAlsoWhereOnlyTurnsAreScaled) {
         ASSERT_EQ(ROBUROC4_OK, bench.drive(move.linear_m_s, move.angular_rad_s));
         bench.run(2 * cycle_us);
     }
-    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result);
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.outcome);
     EXPECT_NEAR(1, move.angle_rad, 0.02);
 }
 
@@ -1403,14 +1403,14 @@ TEST(MoveOfAClient, WhatATelemeterSeesBesideOrBehindIsNoObstacle) {
     }
 }
 
-TEST(MoveResult, EveryResultHasASentence) {
+TEST(MoveOutcome, EveryOutcomeHasASentence) {
     for (std::int32_t result = ROBUROC4_MOVE_RUNNING; result <= ROBUROC4_MOVE_NO_REAR_TELEMETER;
          result++) {
-        const std::string text = roburoc4_move_result_text(result);
+        const std::string text = roburoc4_move_outcome_text(result);
         EXPECT_GT(text.size(), 8U);
-        EXPECT_NE("unknown result", text);
+        EXPECT_NE("unknown outcome", text);
     }
     EXPECT_STREQ(roburoc4_result_text(ROBUROC4_ERR_CLOSED),
-                 roburoc4_move_result_text(ROBUROC4_ERR_CLOSED));
-    EXPECT_STREQ("unknown result", roburoc4_move_result_text(19));
+                 roburoc4_move_outcome_text(ROBUROC4_ERR_CLOSED));
+    EXPECT_STREQ("unknown outcome", roburoc4_move_outcome_text(19));
 }

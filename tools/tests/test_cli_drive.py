@@ -30,10 +30,10 @@ def test_it_drives_for_the_time_and_reports(sim: roburoc4.Simulator) -> None:
     # a second up to 0.5 m/s, and a second down
     assert report["distance_m"] == pytest.approx(0.5, abs=0.05)
     assert sim.true_pose.x_m == pytest.approx(0.5, abs=0.05)
-    assert report["result"] == "reached"
+    assert report["outcome"] == "reached"
     assert set(report) == {
         "robot",
-        "result",
+        "outcome",
         "distance_m",
         "angle_rad",
         "remaining_m",

@@ -21,7 +21,7 @@ def sim() -> Iterator[roburoc4.Simulator]:
 
 def test_move_and_turn_end_where_they_should(sim: roburoc4.Simulator) -> None:
     report = document(run("move", "0.5", "--json", robot=sim.address))
-    assert report["result"] == "reached"
+    assert report["outcome"] == "reached"
     assert report["distance_m"] == pytest.approx(0.5, abs=0.02)
     assert report["pose"]["x_m"] == pytest.approx(0.5, abs=0.02)
     report = document(run("turn", "-90deg", "--speed", "1", "--json", robot=sim.address))
@@ -46,7 +46,7 @@ def test_an_obstacle_ends_it_with_its_document_and_code_1(sim: roburoc4.Simulato
     assert done.returncode == 1
     assert "telemeter" in one_line(done.stderr)
     report = json.loads(done.stdout)
-    assert report["result"] == "obstacle"
+    assert report["outcome"] == "obstacle"
     assert 0.2 < report["distance_m"] < 1.0
     assert sim.state.last_linear_m_s == 0.0
     assert sim.true_pose.x_m < 2.0 - 0.7 - 0.4
@@ -58,7 +58,7 @@ def test_the_clearance_and_the_time_can_be_given(sim: roburoc4.Simulator) -> Non
     assert done.returncode == 0, done.stderr
     done = run("move", "-5", "--timeout", "1", "--json", robot=sim.address)
     assert done.returncode == 1
-    assert json.loads(done.stdout)["result"] == "timeout"
+    assert json.loads(done.stdout)["outcome"] == "timeout"
 
 
 @pytest.mark.parametrize(

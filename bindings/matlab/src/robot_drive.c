@@ -167,9 +167,9 @@ static int read_move(call *in) {
         FIELD(roburoc4_move, distance_m, FLOAT), FIELD(roburoc4_move, angle_rad, FLOAT),
         FIELD(roburoc4_move, remaining_m, FLOAT), FIELD(roburoc4_move, remaining_rad, FLOAT)};
     const roburoc4_move *move = &((const robot *)in->object)->move;
-    answer_add(&in->out, "result", make_text(names[move->result]));
+    answer_add(&in->out, "outcome", make_text(names[move->outcome]));
     answer_fields(&in->out, figures, COUNT_OF(figures), move);
-    answer_add(&in->out, "text", make_text(roburoc4_move_result_text(move->result)));
+    answer_add(&in->out, "text", make_text(roburoc4_move_outcome_text(move->outcome)));
     return 1;
 }
 

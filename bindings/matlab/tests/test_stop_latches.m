@@ -60,7 +60,7 @@ end
 sim.step(0.5);
 check(~mex('moveStep', r.id), 'the move goes on after a hang');
 result = mex('moveResult', r.id);
-check(strcmp(result.result, 'lapsed'), 'the move: %s', result.result);
+check(strcmp(result.outcome, 'lapsed'), 'the move: %s', result.outcome);
 sim.step(1);
 check(r.status.disarm_cause == roburoc4.Result.LAPSED, 'the lapse of a move disarms');
 delete(r);

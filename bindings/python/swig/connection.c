@@ -369,9 +369,10 @@ PyObject *move_step(connection *c, roburoc4_move *move) {
     }
     now_us = connection_entered_us();
     if (roburoc4_move_step(move, client, now_us) == ROBUROC4_MOVE_RUNNING) {
-        roburoc4_result ignored = roburoc4_client_drive(client, move->linear_m_s, move->angular_rad_s, 0, now_us);
+        roburoc4_result ignored =
+            roburoc4_client_drive(client, move->linear_m_s, move->angular_rad_s, 0, now_us);
         (void)ignored;
     }
     leave_call();
-    return PyLong_FromLong(move->result);
+    return PyLong_FromLong(move->outcome);
 }

@@ -355,8 +355,8 @@ class Bridge : public testing::Test {
     static auto statistics() {
         return LAST(bridge_statistics, "ROBUROC4_BRIDGE_STATISTICS");
     }
-    static int32_t last_move_result() {
-        return LAST(move_status, "ROBUROC4_MOVE_STATUS")->result;
+    static int32_t last_move_outcome() {
+        return LAST(move_status, "ROBUROC4_MOVE_STATUS")->outcome;
     }
 #define FAULT(name) ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_##name
     static bool has_fault(int32_t fault) {
@@ -801,7 +801,7 @@ TEST_F(Bridge, AMoveGoesWhereItSaysAndNoFaster) {
     };
     for (const auto &each : cases) {
         robot_->commands.clear();
-        for (int i = 0; i < 400 && (i < 5 || last_move_result() == ROBUROC4_MOVE_RUNNING); i++) {
+        for (int i = 0; i < 400 && (i < 5 || last_move_outcome() == ROBUROC4_MOVE_RUNNING); i++) {
             move_as([&](Move &command) {
                 command.move_id = &each - cases;
                 command.kind = each.kind;
@@ -815,7 +815,7 @@ TEST_F(Bridge, AMoveGoesWhereItSaysAndNoFaster) {
             });
             sleep_ms(50);
         }
-        EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_REACHED);
+        EXPECT_EQ(last_move_outcome(), ROBUROC4_MOVE_REACHED);
         sleep_ms(1000);
         EXPECT_NEAR(robot_->state().odometry_x_m, each.end_x_m, 0.05);
         EXPECT_NEAR(robot_->state().odometry_y_m, each.end_y_m, 0.05);
@@ -842,7 +842,7 @@ TEST_F(Bridge, AMoveThatIsNotRenewedEndsWithItsLease) {
         << "without a break, besides a zero to begin with";
     EXPECT_GE(robot_->last_speed_us(), sent_us + 150 * kMs);
     expect_stopped_at(sent_us + 271 * kMs); /* the shortest lease more */
-    EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_LAPSED);
+    EXPECT_EQ(last_move_outcome(), ROBUROC4_MOVE_LAPSED);
     sleep_ms(1000);
     EXPECT_NEAR(static_cast<double>(times_of("ROBUROC4_MOVE_STATUS").back() - sent_us), 1.15e6, 1e5)
         << "published for a second more";
@@ -856,7 +856,7 @@ TEST_F(Bridge, TheEndOfTheBridgeCancelsAMove) {
         sleep_ms(after_ms);
         end(SIGTERM);
         bridge_->join();
-        EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_CANCELLED) << after_ms;
+        EXPECT_EQ(last_move_outcome(), ROBUROC4_MOVE_CANCELLED) << after_ms;
     }
 }
 
@@ -873,7 +873,7 @@ TEST_F(Bridge, OfASpeedAndAMoveThatAreReadTogetherTheLaterDrives) {
     drive(-0.2);
     move_by(5, 7);
     sleep_ms(200);
-    EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_RUNNING);
+    EXPECT_EQ(last_move_outcome(), ROBUROC4_MOVE_RUNNING);
     ASSERT_GE(robot_->speeds(), 2u);
     for (const SpeedCommand &command : robot_->commands) {
         EXPECT_GE(command.linear_m_s, 0.0f);
@@ -881,7 +881,7 @@ TEST_F(Bridge, OfASpeedAndAMoveThatAreReadTogetherTheLaterDrives) {
     move_by(5, 7);
     drive(-0.2);
     sleep_ms(200);
-    EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_CANCELLED);
+    EXPECT_EQ(last_move_outcome(), ROBUROC4_MOVE_CANCELLED);
     EXPECT_FLOAT_EQ(robot_->commands.back().linear_m_s, -0.2f);
 }
 
@@ -894,7 +894,7 @@ TEST_F(Bridge, AMoveOfAnotherSenderIsAnotherMove) {
             sleep_ms(50);
         }
         EXPECT_GT(robot_->speeds(), speeds) << sender;
-        EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_REACHED);
+        EXPECT_EQ(last_move_outcome(), ROBUROC4_MOVE_REACHED);
         sleep_ms(600);
     }
     EXPECT_NEAR(robot_->state().odometry_x_m, 0.4, 0.03);
@@ -905,11 +905,11 @@ TEST_F(Bridge, AMoveKeepsTheClearanceThatItAsksForAndNoneWhereThatIsZero) {
     ASSERT_TRUE(robot_->panel("box add 1.2 0 0.2 2 0"));
     move_by(0.1, 7, 0, 3);
     sleep_ms(200);
-    EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_OBSTACLE);
+    EXPECT_EQ(last_move_outcome(), ROBUROC4_MOVE_OBSTACLE);
     sleep_ms(600);
     move_by(0.1, 8, 0, 0);
     sleep_ms(200);
-    EXPECT_EQ(last_move_result(), ROBUROC4_MOVE_RUNNING);
+    EXPECT_EQ(last_move_outcome(), ROBUROC4_MOVE_RUNNING);
 }
 
 TEST_F(Bridge, OutputsAreSetTogetherOrNotAtAll) {

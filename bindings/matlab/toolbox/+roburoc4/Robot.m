@@ -261,8 +261,8 @@ methods
     function result = move(this, distance_m, varargin)
         %MOVE Drive straight ahead, and wait until the robot is at rest.
         %   RESULT = move(R, METRES) drives this far by odometry; negative is backward. RESULT is a
-        %   struct: result ('reached'), distance_m, angle_rad, remaining_m, remaining_rad, and text, the
-        %   result as a sentence.
+        %   struct: outcome ('reached'), distance_m, angle_rad, remaining_m, remaining_rad, and text, the
+        %   outcome as a sentence.
         %   move(R, METRES, 'Name', value, ...) takes options:
         %
         %      speed (0.3)       m/s, within the ceilings max_linear_m_s and max_angular_rad_s
@@ -719,8 +719,8 @@ methods (Access = private)
         end
         result = roburoc4_mex('moveResult', this.id);
         roburoc4_mex('busy', this.id, false);
-        if ~strcmp(result.result, 'reached')
-            error('roburoc4:moveEnded', '%s after %.2f m and %.2f rad: %s', result.result, ...
+        if ~strcmp(result.outcome, 'reached')
+            error('roburoc4:moveEnded', '%s after %.2f m and %.2f rad: %s', result.outcome, ...
                 result.distance_m, result.angle_rad, result.text);
         end
     end

@@ -179,7 +179,7 @@ class MoveOutcome(IntEnum):
     @property
     def text(self) -> str:
         """What it means and what to do, as a sentence."""
-        return _native.roburoc4_move_result_text(self)
+        return _native.roburoc4_move_outcome_text(self)
 
 
 class StopOutcome(IntEnum):

@@ -214,7 +214,7 @@ class Move:
             pose = None
         move = self._move
         return MoveResult(
-            MoveOutcome(_native.roburoc4_move_result_get(move)),
+            MoveOutcome(_native.roburoc4_move_outcome_get(move)),
             _native.roburoc4_move_distance_m_get(move),
             _native.roburoc4_move_angle_rad_get(move),
             _native.roburoc4_move_remaining_m_get(move),

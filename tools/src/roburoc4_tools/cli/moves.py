@@ -238,7 +238,7 @@ def _report(robot: Robot, done: list[MoveResult]) -> dict[str, Any]:
     last = done[-1]
     return {
         "robot": robot.address,
-        "result": last.outcome.name.lower(),
+        "outcome": last.outcome.name.lower(),
         "distance_m": sum(result.distance_m for result in done),
         "angle_rad": sum(result.angle_rad for result in done),
         "remaining_m": last.remaining_m,
