@@ -116,7 +116,7 @@ def test_without_inputs_it_refuses_until_told_to_ignore_them() -> None:
         refused = run(*ignoring, robot=sim.address)
         assert refused.returncode == 1
         assert "bumper" in refused.stderr.splitlines()[-1]
-        assert "clearance 0" in refused.stderr
+        assert "clearance of 0" in refused.stderr
         assert sim.state.nonzero_speed_commands == 0
         done = run(*ignoring, "--clearance", "0", robot=sim.address)
         assert done.returncode == 0, done.stderr
