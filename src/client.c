@@ -256,6 +256,7 @@ roburoc4_result roburoc4_client_close(client *c, uint64_t now_us) {
     begin_call(c, now_us);
     roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_DISARMED);
     c->private_drive.stop_pending = 0;
+    c->private_drive.granted_us = (uint32_t)now_us; /* no longer a lease: when it was closed */
     roburoc4_requests_clear(&c->private_requests);
     roburoc4_lifecycle_enter(c, c->private_drive.stopping ? ROBUROC4_STATE_CLOSING
                                                           : ROBUROC4_STATE_IDLE);

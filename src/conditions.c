@@ -25,6 +25,14 @@ static bool may_have_pad(const client *c) {
            index_of_role(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
 }
 
+pad_state roburoc4_conditions_pad(const client *c, bool newest) {
+    if (c->private_conditions.overridden) {
+        return PAD_HELD;
+    }
+    const bool certain = c->private_conditions.override_known ? newest : !may_have_pad(c);
+    return certain ? PAD_RELEASED : PAD_NOT_SEEN;
+}
+
 /** Why there is no fresh status of a service: `stale`, unless there is no subscription. A service
  * that is not listed may be one that is not identified yet. */
 static roburoc4_result not_fresh(const client *c, uint32_t service, roburoc4_result stale) {

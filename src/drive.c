@@ -31,8 +31,11 @@
 /* How far reported targets may be from sent ones, due to rounding by the robot. A target that
  * differs by more from what was reported must appear in statuses. */
 #define TARGET_TOLERANCE FIXED(0.02F)
-/* What may not have reached the robot: nothing, speeds of this lease, or also earlier ones. */
-enum { IN_FLIGHT_NONE, IN_FLIGHT_THIS_LEASE, IN_FLIGHT_EARLIER };
+/* What may not have reached the robot: nothing, what this lease sent, or also what was sent before;
+ * in the end, nothing is known to reach it at all. */
+enum { IN_FLIGHT_NONE, IN_FLIGHT_THIS_LEASE, IN_FLIGHT_EARLIER, IN_FLIGHT_ALL };
+/* Statuses show a target this long after the robot has taken it, at most. */
+#define SHOWN_AFTER_US (160 * MS)
 /* A status shows that it stands, and one of the inputs as new that [A] is not held. */
 enum { UNCONFIRMED, SHOWN, CONFIRMED };
 /* Far above any robot's speed, and low enough that products stay finite. */
@@ -68,6 +71,10 @@ static bool near(float value, float low, float high, int32_t tolerance) {
 
 /* ---- ending a lease ---- */
 
+static void fly_at_least(drive *d, uint8_t in_flight) {
+    d->in_flight = d->in_flight > in_flight ? d->in_flight : in_flight;
+}
+
 /** The one place where a stop sequence begins. */
 static void begin_stop_sequence(drive *d) {
     if (d->known && d->stop_pending) {
@@ -77,6 +84,7 @@ static void begin_stop_sequence(drive *d) {
         d->zeros_sent = 0;
         d->confirmed = UNCONFIRMED;
         d->nonzero_sent = 0;
+        fly_at_least(d, IN_FLIGHT_EARLIER);
     }
 }
 
@@ -87,8 +95,9 @@ static void stop_again(drive *d) {
 
 static void end_lease(drive *d) {
     d->lease_active = 0;
-    d->echo_due = 0;
-    d->in_flight = d->in_flight != IN_FLIGHT_NONE ? IN_FLIGHT_EARLIER : IN_FLIGHT_NONE;
+    if (d->in_flight != IN_FLIGHT_NONE) {
+        fly_at_least(d, IN_FLIGHT_EARLIER);
+    }
     d->stop_pending = d->stop_pending || d->nonzero_sent;
     d->outcome = d->stop_pending ? ROBUROC4_STOP_TIMED_OUT : d->outcome;
     begin_stop_sequence(d);
@@ -96,11 +105,13 @@ static void end_lease(drive *d) {
 
 void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events) {
     end_lease(d);
-    if (cause == ROBUROC4_ERR_UPLINK && d->in_flight == IN_FLIGHT_NONE && !d->stopping) {
-        /* only zeros did not arrive: no stop sequence, but wait for a newer answer all the same */
-        d->in_flight = IN_FLIGHT_EARLIER;
-        d->stop_us = d->heard_us;
-        d->zeros_sent = STOP_ZEROS;
+    if (cause == ROBUROC4_ERR_UPLINK) {
+        if (d->in_flight == IN_FLIGHT_NONE && !d->stopping) {
+            /* only zeros did not arrive: no stop sequence, but wait for a newer answer */
+            d->stop_us = d->heard_us;
+            d->zeros_sent = STOP_ZEROS;
+        }
+        d->in_flight = IN_FLIGHT_ALL;
     }
     if (d->armed) {
         d->disarm_cause = cause;
@@ -131,7 +142,8 @@ void roburoc4_drive_override(drive *d, bool overridden, bool newest) {
         d->confirmed = CONFIRMED;
     }
     if (released && d->unconfirmed) {
-        stop_again(d); /* the robot may have ignored the zeros, and obey the speed from before */
+        stop_again(d);   /* the robot may have ignored the zeros, and obey the speed from before */
+        d->echo_due = 1; /* which statuses show later */
     }
 }
 
@@ -182,6 +194,7 @@ roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lea
     }
     if (!d->lease_active) {
         d->heard_us = now_us; /* from now on, the robot must be heard to receive */
+        d->echo_due = 0;
         d->echoed[LINEAR] = 0;
         d->echoed[ANGULAR] = 0;
     }
@@ -198,7 +211,7 @@ static bool lease_over(const drive *d, timer *t) {
 }
 
 bool roburoc4_drive_is_cut_off(const drive *d) {
-    return !d->armed && d->disarm_cause == ROBUROC4_ERR_UPLINK && d->in_flight != IN_FLIGHT_NONE;
+    return d->in_flight == IN_FLIGHT_ALL;
 }
 
 bool roburoc4_drive_asks(const drive *d, timer *t) {
@@ -400,8 +413,7 @@ static void note_sent(drive *d, const float *speeds, uint32_t now_us) {
     if (!is_zero(speeds[LINEAR]) || !is_zero(speeds[ANGULAR])) {
         d->nonzero_sent = 1;
         d->unconfirmed = 1;
-        d->in_flight =
-            d->in_flight != IN_FLIGHT_NONE ? d->in_flight : (uint8_t)IN_FLIGHT_THIS_LEASE;
+        fly_at_least(d, IN_FLIGHT_THIS_LEASE);
     }
     expect_echo(d, speeds, now_us);
 }
@@ -521,7 +533,8 @@ static void watch_following(drive *d, const roburoc4_differential_status *s, boo
     }
 }
 
-/** Whether a status confirms the stop: made since the zeros arrived, it shows targets of 0. */
+/** Whether a status confirms the stop: made since the zeros arrived, it shows targets of 0. If it
+ * has not shown the last speed yet, it may still show what was before that. */
 static void watch_stop(drive *d, bool zero, bool released, const roburoc4_private_link *l,
                        uint32_t now_us) {
     const uint32_t index = STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL);
@@ -529,7 +542,8 @@ static void watch_stop(drive *d, bool zero, bool released, const roburoc4_privat
         d->confirmed = UNCONFIRMED;
     } else if (!d->overridden && d->in_flight == IN_FLIGHT_NONE && d->zeros_sent >= STOP_ZEROS &&
                d->confirmed != CONFIRMED &&
-               now_us - d->expected_us >= roburoc4_link_age_at_arrival(l, index)) {
+               now_us - d->expected_us >=
+                   roburoc4_link_age_at_arrival(l, index) + (d->echo_due ? SHOWN_AFTER_US : 0)) {
         d->confirmed = released ? CONFIRMED : SHOWN;
     }
 }
@@ -543,7 +557,7 @@ static void watch_targets(drive *d, const roburoc4_config *config, const float *
         watch_echo(d, config, reported, ours, now_us, events);
     } else if (!zero && ours && has_driven(d)) { /* a speed of ours came late, or came back */
         d->unconfirmed = 1;
-        d->in_flight = IN_FLIGHT_EARLIER;
+        fly_at_least(d, IN_FLIGHT_EARLIER);
         if (roburoc4_link_age_at_arrival(l, index) < WATCHED_US) {
             stop_again(d);
         }

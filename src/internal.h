@@ -256,8 +256,8 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
                          const roburoc4_differential_properties *limits, timer *t, float *speeds,
                          uint32_t *events);
-/* [A] on the game pad: released, if there is one that is known; or so by an older status only. */
-typedef enum pad_state { PAD_RELEASED, PAD_WAS_RELEASED, PAD_HELD } pad_state;
+/* [A] on the game pad: released, if there is one; not seen by a status as new; or held. */
+typedef enum pad_state { PAD_RELEASED, PAD_NOT_SEEN, PAD_HELD } pad_state;
 /** A status arrived; how old it is at most, the link knows. */
 void roburoc4_drive_status(drive *d, const roburoc4_config *config,
                            const roburoc4_differential_status *status, pad_state pad,
@@ -503,6 +503,8 @@ void roburoc4_subscriptions_renew_silent(subscriptions *s, const roburoc4_config
 
 /* ---- conditions.c ---- */
 
+/** What statuses say of [A]; `newest`: that of the inputs is as new as that of the speeds. */
+pad_state roburoc4_conditions_pad(const roburoc4_client *c, bool newest);
 /** Pass the time and the conditions of driving to the drive state machine. */
 void roburoc4_conditions_tick(roburoc4_client *c);
 /** Raise the event of a client that became armable. */

@@ -230,10 +230,12 @@ static void take_inputs(client *c, const roburoc4_channels *inputs) {
     }
     c->private_conditions.override_known = known;
     c->private_conditions.overridden = overridden;
-    if (c->private_state == ROBUROC4_STATE_CLOSING) {
+    if (c->private_state == ROBUROC4_STATE_CLOSING &&
+        c->private_timer.now_us - c->private_drive.granted_us >=
+            c->private_config.robot_watchdog_ms * MS) {
         c->private_drive.overridden = overridden; /* no other stop sequence, as this one must end */
     }
-    roburoc4_drive_override(&c->private_drive, overridden, inputs_are_newest(c));
+    roburoc4_drive_override(&c->private_drive, overridden, known && inputs_are_newest(c));
     if (overridden) {
         roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_OVERRIDE);
     }
@@ -264,11 +266,8 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     if (c->private_outputs.relocalizing) {
         roburoc4_schedule_watch_pose(c);
     }
-    const pad_state released = c->private_conditions.override_known && !inputs_are_newest(c)
-                                   ? PAD_WAS_RELEASED
-                                   : PAD_RELEASED;
     roburoc4_drive_status(d, &c->private_config, &v->differential,
-                          c->private_conditions.overridden ? PAD_HELD : released, &c->private_link,
+                          roburoc4_conditions_pad(c, inputs_are_newest(c)), &c->private_link,
                           c->private_timer.now_us, &c->private_events);
     if (d->stopping || d->armed != armed) {
         wake(c);

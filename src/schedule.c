@@ -124,7 +124,10 @@ void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
     switch (s->ask.action) {
     case ROBUROC4_ACTION_GET:
         d->refused |= service_bit(s->ask.kind);
-        if (s->ask.kind == ROBUROC4_SERVICE_DIFFERENTIAL && why != ROBUROC4_ERR_TIMEOUT) {
+        /* a refusal of what it has told before is meant for another request */
+        if (s->ask.kind == ROBUROC4_SERVICE_DIFFERENTIAL && why != ROBUROC4_ERR_TIMEOUT &&
+            (why != ROBUROC4_ERR_ROBOT ||
+             (d->known & service_bit(ROBUROC4_SERVICE_DIFFERENTIAL)) == 0)) {
             roburoc4_drive_service(&c->private_drive, false, c->private_drive.service);
         }
         break;

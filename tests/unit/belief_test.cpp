@@ -83,8 +83,9 @@ TEST_F(StopBelief, OfAClientThatDroveNothingIsSentAgainWhenTheOverrideEnds) {
     ASSERT_EQ(ROBUROC4_STOP_OVERRIDDEN, bench.facts().stop_outcome);
     bench.sent.clear();
     robot.hold(false);
-    bench.run(200 * ms);
-    EXPECT_EQ(3U, bench.commands().size());
+    bench.run(second);
+    EXPECT_LE(3U, bench.commands().size());
+    EXPECT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
 }
 
 TEST_F(StopBelief, IsNotConfirmedWhileTheOverrideLasts) {
@@ -138,12 +139,35 @@ TEST_F(StopBelief, OfAClosingClientIsConfirmedWhenTheOverrideEnds) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOPPED);
 }
 
+/** Statuses show the speed that it resumes only when its motors follow. */
+TEST_F(StopBelief, OfAClosingClientIsNotConfirmedBeforeTheResumedSpeedIsShown) {
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
+    robot.hold(true);
+    bench.run(200 * ms);
+    ASSERT_EQ(ROBUROC4_OK, bench.close());
+    bench.run(100 * ms);
+    robot.hold(false);
+    robot.target_linear = 0;
+    bench.drop_to_robot = is_command; /* to see what it does if the zeros are lost */
+    bench.run(150 * ms);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
+    robot.target_linear = 1;
+    bench.run(100 * ms);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
+    bench.drop_to_robot = nullptr;
+    bench.run(500 * ms);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());
+    EXPECT_EQ(0.0F, robot.target_linear);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOPPED);
+}
+
 TEST_F(StopBelief, OfAClosingClientEndsHoweverOftenTheOverrideDoes) {
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
     bench.drop_to_robot = is_command;
     ASSERT_EQ(ROBUROC4_OK, bench.close());
-    for (int i = 0; i < 12; i++) {
+    for (int i = 0; i < 22; i++) {
         robot.press(ROBUROC4_DI_PAD_A, i % 2 == 0);
         bench.run(100 * ms);
     }
@@ -263,9 +287,58 @@ TEST_F(StopBelief, IsNotConfirmedWhileItsZerosAreOnTheirWay) {
     bench.drop_to_robot = nullptr;
     for (const Bytes &bytes : queue)
         robot.deliver(bytes);
-    bench.run(150 * ms);
+    bench.run(350 * ms);
     EXPECT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOPPED);
+}
+
+/** The zeros are lost, and requests are not; a robot shows its target up to 150 ms late. */
+TEST_F(StopBelief, IsNotConfirmedBeforeAShortSpeedIsShown) {
+    bench.armed();
+    bench.drop_to_robot = is_command;
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 50 * ms));
+    bench.pause();
+    bench.run(150 * ms);
+    EXPECT_EQ(ROBUROC4_STOP_RUNNING, bench.facts().stop_outcome);
+    robot.target_linear = 1;
+    bench.run(100 * ms);
+    bench.drop_to_robot = nullptr;
+    EXPECT_EQ(ROBUROC4_STOP_RUNNING, bench.facts().stop_outcome);
+    bench.run(500 * ms);
+    EXPECT_EQ(0.0F, robot.target_linear);
+    EXPECT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
+}
+
+TEST_F(StopBelief, IsNotConfirmedBeforeItIsKnownWhichInputTheOverrideIs) {
+    robot.texts_silent = true;
+    bench.ready();
+    robot.hold(true);
+    bench.pause();
+    bench.run(600 * ms);
+    EXPECT_EQ(ROBUROC4_STOP_RUNNING, bench.facts().stop_outcome);
+    robot.texts_silent = false;
+    robot.hold(false);
+    bench.run(20 * second);
+    bench.pause();
+    bench.run(500 * ms);
+    EXPECT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
+}
+
+/** An error of one byte may refuse either of two open requests. */
+TEST_F(StopBelief, SendsItsZerosAlthoughAnotherRequestWasRefused) {
+    bench.armed();
+    robot.service(differential).get_silent = true;
+    bench.run(10 * second);
+    robot.replace_silent = true;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
+    for (int i = 0; i < 300; i++) { /* whichever is the oldest */
+        bench.run(10 * ms);
+        (void)bench.receive(Bytes{0});
+    }
+    bench.sent.clear();
+    bench.stop();
+    bench.run(100 * ms);
+    EXPECT_LE(2U, bench.commands().size());
 }
 
 TEST_F(StopBelief, IsNotConfirmedByStatusesFromBeforeItsZeros) {
@@ -744,15 +817,21 @@ TEST(Uplink, ThatLosesOneCommandDisarmsNobodyHoweverSeldomTheyAre) {
 }
 
 TEST(Uplink, ThatWasDeadMustAnswerBeforeItArms) {
-    for (const float speed : {0.5F, 0.0F}) {
-        SCOPED_TRACE(speed);
+    enum { SPEED, ZEROS, ZEROS_WHILE_IT_STOPS, THEN_STOPPED };
+    for (const int what : {SPEED, ZEROS, ZEROS_WHILE_IT_STOPS, THEN_STOPPED}) {
+        SCOPED_TRACE(what);
+        const float speed = what == ZEROS || what == ZEROS_WHILE_IT_STOPS ? 0 : 0.5F;
         ScriptedRobot robot;
         Bench bench(robot);
         bench.armed();
-        ASSERT_NO_FATAL_FAILURE(bench.driving(speed, 0, second));
+        ASSERT_NO_FATAL_FAILURE(bench.driving(what == ZEROS ? 0 : 0.5F, 0, second));
         bench.drop_to_robot = [](const Bytes &) { return true; };
+        if (what == ZEROS_WHILE_IT_STOPS)
+            bench.pause();
         EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(speed, 0, 2 * second));
         bench.take_events();
+        if (what == THEN_STOPPED)
+            bench.stop();
         bench.run(400 * ms);
         EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.arm());
         EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_ARMABLE);
@@ -855,7 +934,7 @@ TEST_F(StopBelief, IsProvenOnlyByWhatIsCertainlyTheAnswerToALaterRequest) {
         }
         told.receive(plain_answer(c.bad ? std::uint8_t{0} : id, ROBUROC4_ACTION_INSERT,
                                   ROBUROC4_SERVICE_NOTIFICATION, c.bad ? 1 : 0));
-        told.run(200 * ms);
+        told.run(300 * ms);
         EXPECT_EQ(c.outcome, told.facts().stop_outcome);
     }
 }

@@ -60,8 +60,11 @@ void Oracle::observe(Moment now) {
             disturbed(now.true_us);
             if (by_client < truly && by_client >= 0) /* which no client can notice */
                 clock_error_us_ += static_cast<std::uint64_t>(truly - by_client);
-            if (by_client < 0) /* the client's ages are by a clock that is no more */
+            if (by_client < 0) { /* the client's ages are by a clock that is no more */
                 ages_known_ = false;
+                if (restart_us_ != 0 && now.true_us - restart_us_ < 3000000)
+                    gave_up_ = true; /* what tells a restart from late statuses is gone, too */
+            }
             stop_.due_us = stop_.again_us = now.true_us;
             if (by_client < truly) /* ahead: by its own clock the time may be over */
                 stop_.due_client_us = now.client_us;
@@ -303,7 +306,8 @@ void Oracle::override_index_set(Moment now, std::int32_t index, std::int32_t res
         return;
     const int before = rule_.index();
     rule_.user_set(index);
-    stop_.again_us = now.true_us; /* as if [A] was released */
+    stop_.again_us = now.true_us; /* as if [A] was released, and once more when it is read */
+    role_set_ = true;
     if (rule_.index() == before || rule_.index() == report_.override_index)
         return; /* nothing changes */
     overridden_ = false;

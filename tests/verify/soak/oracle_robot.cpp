@@ -280,6 +280,9 @@ void Oracle::iocard_status(Moment now, const Datagram &datagram) {
         zeros_welcome_us_ = now.true_us + milliseconds(config_.drive_period_ms) + slack_us;
         stop_.again_us = now.true_us;
     }
+    if (role_set_)
+        stop_.again_us = now.true_us;
+    role_set_ = false;
     if (index < 0)
         return;
     if (overridden_) {
@@ -346,6 +349,7 @@ void Oracle::watch_restart(Moment now, const Datagram &datagram) {
             last = &start.second;
     if (datagram.origin.boot != boot_) {
         boot_ = datagram.origin.boot;
+        restart_us_ = now.true_us;
         restarted_statuses_ = 0;
         armed_before_restart_ = armed_;
         const double counted = last != nullptr ? counted_us(*last, datagram) : 0;
@@ -650,11 +654,12 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
         report.state != ROBUROC4_STATE_SUBSCRIBING)
         violate(Promise::stop_ends, now.true_us,
                 "the stop sequence lasts " + ms_text(now.true_us - stop_.due_us));
-    /* where all answers have one id, or take long, ages are known late; while closing, nothing
-     * asks, so those that a step of the clock made unknown stay so */
+    /* where all answers have one id, or take long, ages are known late; while [A] is not known,
+     * nothing confirms; while closing, nothing asks, so ages that a step of the clock made unknown
+     * stay so */
     const bool calm =
         !robot_.literal_ids && !robot_.slow_texts && calm_us_ < now.true_us &&
-        now.true_us - calm_us_ > 5000000 &&
+        now.true_us - calm_us_ > 5000000 && report.override_known &&
         (report.state != ROBUROC4_STATE_CLOSING || report.age_us[differential] != UINT32_MAX);
     if (calm && stop_.sure_us > stop_.again_us && now.true_us - stop_.sure_us > period + slack_us)
         violate(robot_.rounds ? Promise::rounding_is_not_motion : Promise::stop_ends, now.true_us,
