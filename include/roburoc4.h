@@ -267,9 +267,9 @@ ROBUROC4_API roburoc4_result roburoc4_client_init(roburoc4_client *client, size_
 ROBUROC4_API roburoc4_result roburoc4_client_start(roburoc4_client *client, uint64_t now_us);
 /** Begin to close: disarms, and stays in ROBUROC4_STATE_CLOSING until the stop sequence, if any,
  *  has ended. Keep calling receive() and poll_transmit() until the state is idle, at most
- *  robot_watchdog_ms or three drive periods. Subscriptions are kept, as other clients may share
- *  them: where none does, end them before with roburoc4_client_subscribe(). ROBUROC4_ERR_STATE if
- *  idle. */
+ *  robot_watchdog_ms or three drive periods; after [A] was released, once more. Subscriptions are
+ * kept, as other clients may share them: where none does, end them before with
+ * roburoc4_client_subscribe(). ROBUROC4_ERR_STATE if idle. */
 ROBUROC4_API roburoc4_result roburoc4_client_close(roburoc4_client *client, uint64_t now_us);
 
 /** Process a datagram from the robot. The caller ensures that it comes from the robot (connect the
@@ -501,9 +501,10 @@ ROBUROC4_API roburoc4_result roburoc4_client_set_analog_output(roburoc4_client *
  *  moved, the pose is an old one: the request is not repeated, and fails (relocalize_result:
  *  ROBUROC4_ERR_MOVING) unless the first is answered within 0.25 s; the robot may have taken it.
  *  The same after a time without fresh statuses (ROBUROC4_ERR_STALE_DIFFERENTIAL, or _TIMEOUT
- *  without an answer), or where the robot refuses (_ROBOT). A later call replaces it. It ends with
- * ROBUROC4_EVENT_RELOCALIZED or _RELOCALIZE_FAILED. ROBUROC4_ERR_NOT_FINITE, _NOT_READY, _UNKNOWN
- * (no localization service). */
+ *  without an answer), or where the robot refuses (_ROBOT). A later call replaces it; in fixed-id
+ *  mode (`fixed_id`) call it after the end of the one before, whose late answer would count. It
+ * ends with ROBUROC4_EVENT_RELOCALIZED or _RELOCALIZE_FAILED. ROBUROC4_ERR_NOT_FINITE, _NOT_READY,
+ * _UNKNOWN (no localization service). */
 ROBUROC4_API roburoc4_result roburoc4_client_relocalize(roburoc4_client *client, double x_m,
                                                         double y_m, double theta_rad,
                                                         uint64_t now_us);

@@ -988,7 +988,7 @@ TEST_F(Bridge, TheEndOfAMoveSaysWhatToDoAboutIt) {
         }
         sleep_ms(600);
         const auto status = LAST(move_status, "ROBUROC4_MOVE_STATUS");
-        EXPECT_EQ(status->result, each.result) << status->message;
+        EXPECT_EQ(status->outcome, each.result) << status->message;
         EXPECT_NE(std::string(status->message).find(each.message), std::string::npos)
             << status->message;
     }
