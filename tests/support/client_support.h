@@ -391,6 +391,14 @@ class ScriptedRobot : public Partner {
     std::vector<Bytes> queue_;
 };
 
+/** Whether a datagram is a command, or a status. */
+inline bool is_command(const Bytes &bytes) {
+    return bytes.size() == 11 && bytes[0] == ROBUROC4_HEADER_STATUS;
+}
+inline bool is_status(const Bytes &bytes) {
+    return !bytes.empty() && bytes[0] == ROBUROC4_HEADER_STATUS;
+}
+
 /** Sends each datagram as late as late_us() says. */
 class LateRobot : public ScriptedRobot {
   public:
@@ -419,6 +427,21 @@ class LateRobot : public ScriptedRobot {
 
     std::uint64_t at_us_ = 0;
     std::multimap<std::uint64_t, Bytes> held_;
+};
+
+/** Stamps of the services that measure motion are 15 cycles older than the others. */
+struct MeasuringRobot : ScriptedRobot {
+    std::vector<Bytes> take() override {
+        std::vector<Bytes> all = ScriptedRobot::take();
+        for (Bytes &bytes : all)
+            if (measured(bytes))
+                bytes = status_at(bytes[1], cycles() - 15);
+        std::stable_partition(all.begin(), all.end(), measured);
+        return all;
+    }
+    static bool measured(const Bytes &bytes) {
+        return is_status(bytes) && bytes[1] >= ROBUROC4_SERVICE_LOCALIZATION;
+    }
 };
 
 } // namespace roburoc4_tests

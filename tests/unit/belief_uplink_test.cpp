@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Whether the client believes that its commands arrive, on robots that answer the
+ * manual's open questions in other ways than the simulator (docs/PROTOCOL.md, the family).
+ */
+#include <gtest/gtest.h>
+
+#include <deque>
+
+#include "client_bench.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+/** What arrives at the robot `delay_us` after it was sent. */
+class SlowUplink {
+  public:
+    SlowUplink(Bench &bench, ScriptedRobot &robot) : bench_(bench), robot_(robot) {
+        bench_.drop_to_robot = [this](const Bytes &bytes) {
+            if (delay_us == 0 && flight_.empty())
+                return false;
+            flight_.emplace_back(bench_.now_us + delay_us, bytes);
+            return true;
+        };
+    }
+    std::uint64_t delay_us = 0;
+
+    void run(std::uint64_t span_us) {
+        for (const std::uint64_t end = bench_.now_us + span_us; bench_.now_us < end;) {
+            bench_.run(5 * ms);
+            while (!flight_.empty() && flight_.front().first <= bench_.now_us) {
+                robot_.deliver(flight_.front().second);
+                flight_.pop_front();
+            }
+        }
+    }
+
+  private:
+    Bench &bench_;
+    ScriptedRobot &robot_;
+    std::deque<std::pair<std::uint64_t, Bytes>> flight_;
+};
+
+} // namespace
+
+TEST(Uplink, ThatGrowsLateDisarms) {
+    for (const bool steady : {true, false}) {
+        SCOPED_TRACE(steady);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        SlowUplink uplink(bench, robot);
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+        for (int i = 0; i < 200 && bench.facts().armed == 1; i++) {
+            ASSERT_LT(uplink.delay_us, 600 * ms) << "it still commands";
+            bench.drive(steady || i % 10 < 5 ? 0.5F : 0.3F, 0);
+            uplink.run(50 * ms);
+            uplink.delay_us += 10 * ms;
+        }
+        EXPECT_EQ(0, bench.facts().armed);
+        EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.facts().disarm_cause);
+    }
+}
+
+TEST(Uplink, ThatIsDeadDisarmsWithinHalfASecond) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+    bench.drop_to_robot = [](const Bytes &) { return true; };
+    EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0.5F, 0, 550 * ms));
+}
+
+TEST(Uplink, IsWatchedByEveryTargetThatDiffersFromTheReportedOne) {
+    for (const float angular : {0.0201F, 0.0244F, -0.0249F}) {
+        SCOPED_TRACE(angular);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        robot.follows = false;
+        EXPECT_GT(0, bench.drive_until_refused(0, angular, 550 * ms));
+    }
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    robot.follows = false;
+    EXPECT_EQ(ROBUROC4_OK, bench.drive_until_refused(0, 0.0199F, 2 * second)) << "rounding";
+}
+
+TEST(Uplink, IsWatchedWhileTargetsSwingAroundTheReportedOne) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.3F, 0.3F, second));
+    robot.follows = false;
+    for (int i = 0; i < 12 && bench.facts().armed == 1; i++) {
+        bench.drive(i % 2 == 0 ? 0.1F : 0.5F, i % 2 == 0 ? 0.5F : 0.1F);
+        bench.run(50 * ms);
+    }
+    EXPECT_EQ(0, bench.facts().armed);
+}
+
+TEST(Uplink, OfALeaseThatEndedSaysNothingOfTheNext) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    for (int lease = 0; lease < 2; lease++) {
+        robot.follows = false; /* its target appears late, or no more */
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 150 * ms)) << lease;
+        robot.follows = true;
+        if (lease == 0) {
+            bench.pause();
+            bench.run(second);
+        }
+    }
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+}
+
+TEST(Uplink, ThatLosesOneCommandDisarmsNobodyHoweverSeldomTheyAre) {
+    roburoc4_config config = default_config();
+    config.drive_period_ms = 400;
+    config.lease_ms = 1000;
+    ScriptedRobot robot;
+    Bench bench(robot, config);
+    bench.armed();
+    bench.drop_to_robot = [lost = false](const Bytes &bytes) mutable {
+        const bool first = is_command(bytes) && !lost;
+        lost = lost || first;
+        return first;
+    };
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+}
+
+TEST(Uplink, ThatWasDeadMustAnswerBeforeItArms) {
+    enum { SPEED, ZEROS, ZEROS_WHILE_IT_STOPS, THEN_STOPPED };
+    for (const int what : {SPEED, ZEROS, ZEROS_WHILE_IT_STOPS, THEN_STOPPED}) {
+        SCOPED_TRACE(what);
+        const float speed = what == ZEROS || what == ZEROS_WHILE_IT_STOPS ? 0 : 0.5F;
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        ASSERT_NO_FATAL_FAILURE(bench.driving(what == ZEROS ? 0 : 0.5F, 0, second));
+        bench.drop_to_robot = [](const Bytes &) { return true; };
+        if (what == ZEROS_WHILE_IT_STOPS)
+            bench.pause();
+        EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(speed, 0, 2 * second));
+        bench.take_events();
+        if (what == THEN_STOPPED)
+            bench.stop();
+        bench.run(400 * ms);
+        EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.arm());
+        EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_ARMABLE);
+        bench.drop_to_robot = nullptr;
+        bench.run(1200 * ms);
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_ARMABLE);
+        EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    }
+}
+
+/** A lease of zeros needs no stop, and the answer to a request before it died proves nothing. */
+TEST(Uplink, ThatWasDeadIsNotProvenByALateAnswer) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    robot.service(ROBUROC4_SERVICE_TELEMETER).insert_silent = true;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_subscribe(&bench.client, ROBUROC4_SERVICE_TELEMETER, 50,
+                                                     bench.client_us()));
+    bench.pump();
+    const std::uint8_t id = bench.sent.back().bytes[0];
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0, 0, second));
+    bench.drop_to_robot = [](const Bytes &) { return true; };
+    ASSERT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0, 0, 2 * second));
+    ASSERT_EQ(ROBUROC4_OK, bench.receive(plain_answer(id, ROBUROC4_ACTION_INSERT,
+                                                      ROBUROC4_SERVICE_NOTIFICATION, 0)));
+    EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.arm());
+}
+
+TEST(Uplink, OfARobotThatKnowsOneIdIsWatchedByChangesOfTheTargetAlone) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    roburoc4_config config = default_config();
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
+    Bench bench(robot, config);
+    bench.armed();
+    ASSERT_TRUE(bench.facts().fixed_id);
+    bench.drop_to_client = [](const Bytes &bytes) { return !is_status(bytes); };
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 2 * second));
+    bench.drop_to_robot = [](const Bytes &) { return true; };
+    EXPECT_GT(0, bench.drive_until_refused(0.3F, 0, 550 * ms));
+}
+
+TEST(Uplink, ThatLosesAFifthDisarmsNobody) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    std::uint32_t random = 20261124;
+    const auto lost = [&random](const Bytes &) {
+        random = random * 1664525U + 1013904223U;
+        return random >> 24 < 51;
+    };
+    bench.drop_to_robot = lost;
+    bench.drop_to_client = [&](const Bytes &bytes) { return !is_status(bytes) && lost(bytes); };
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.2F, 600 * second)) << "seed 20261124";
+}
