@@ -286,7 +286,7 @@ logged() {
 # end_beside: wait for it, and fail if it failed.
 aside=
 begin_beside() {
-    aside='nice -n 5' # on a busy machine, 19 would leave it nothing
+    aside='nice -n 2' # on a busy machine, more would leave it little
     beside_script=$1
     # In a session of its own, so that all of it can be ended.
     ROBUROC4_BESIDE=yes env --default-signal setsid "$1" </dev/null &
