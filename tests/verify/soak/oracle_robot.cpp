@@ -13,7 +13,8 @@ namespace {
 
 /* A client can judge a status's age only by round trips and by the pauses between statuses. */
 constexpr std::uint64_t sure_after_us = 300000;
-constexpr std::uint64_t uplink_us = 800000; /* half a second, and the time to notice it */
+constexpr std::uint64_t watched_us = 1900000; /* beyond 2 s, it does not answer with zeros */
+constexpr std::uint64_t uplink_us = 800000;   /* half a second, and the time to notice it */
 constexpr std::uint64_t well_after_us = 12000000;
 constexpr std::uint64_t standing_us = 1000000;
 /* Until then the ages may seem too high, where this clock jumped by more than one pause shows. */
@@ -359,6 +360,8 @@ void Oracle::watch_restart(Moment now, const Datagram &datagram) {
                                static_cast<double>(last != nullptr ? last->made_us : 0);
             if (last != nullptr && counted > truly)
                 clock_error_us_ += static_cast<std::uint64_t>(counted - truly);
+            if (last == nullptr && changed_us_ >= started_us_)
+                clock_error_us_ += 1000000; /* it overheard the start before, less than that off */
             return;
         }
         if (counted > 0)
@@ -390,6 +393,7 @@ void Oracle::robot_changed(const RobotTruth &robot) {
     if (robot_.own_queues || robot.own_queues) /* statuses of the one before may come, as if new */
         ages_judged_ = false;
     robots_.push_back(robot);
+    changed_us_ = last_.true_us;
 }
 
 /* ---------------------------------------------------------------------------- what it reports */
@@ -567,7 +571,8 @@ void Oracle::judge_uplink(Moment now, const Truth &truth) {
 void Oracle::judge_standing(Moment now, const Truth &truth) {
     const bool loose = !lease_.alive && !truth.clients_target.zero() &&
                        report_.state == ROBUROC4_STATE_READY && report_.differential_known &&
-                       newest_[differential].known && !sent_.empty();
+                       newest_[differential].known && !sent_.empty() &&
+                       report_.age_us[differential] < watched_us;
     if (loose && now.true_us - last_speed_us_ > milliseconds(config_.robot_watchdog_ms) + 100000)
         reach(Reached::long_watchdog);
     if (!loose || !truth.well || now.true_us - well_since_us_ < 100000)
