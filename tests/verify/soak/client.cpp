@@ -74,6 +74,7 @@ Report RealClient::report(std::uint64_t now) {
     report.driving = facts.driving != 0;
     report.stopping = facts.stopping != 0;
     report.fixed_id = facts.fixed_id != 0;
+    report.other_commander = facts.other_commander != 0;
     report.override_known = facts.override_known != 0;
     roburoc4_differential_properties properties{};
     report.differential_known =

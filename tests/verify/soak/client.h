@@ -23,6 +23,7 @@ struct Report {
     bool stopping = false;
     bool override_known = false;
     bool fixed_id = false;
+    bool other_commander = false;
     bool differential_known = false; /* and its properties */
     std::int32_t override_index = -1;
     std::int32_t disarm_cause = 0;

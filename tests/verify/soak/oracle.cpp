@@ -62,6 +62,7 @@ void Oracle::observe(Moment now) {
                 clock_error_us_ += static_cast<std::uint64_t>(truly - by_client);
             if (by_client < 0) { /* the client's ages are by a clock that is no more */
                 ages_known_ = false;
+                ages_judged_ = ages_judged_ && !robot_.literal_ids; /* nor what answers belong to */
                 if (restart_us_ != 0 && now.true_us - restart_us_ < 3000000)
                     gave_up_ = true; /* what tells a restart from late statuses is gone, too */
             }

@@ -419,8 +419,10 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
         disarm(now, Promise::nothing_arms_itself);
     }
     pausing_ = false;
-    if ((report.events & ROBUROC4_EVENT_REBOOT) != 0) /* the newest it knows now */
+    if ((report.events & ROBUROC4_EVENT_REBOOT) != 0) { /* the newest it knows now */
         last_of_start_.erase(last_of_start_.begin(), last_of_start_.lower_bound(boot_));
+        ages_judged_ = ages_judged_ && !robot_.own_queues; /* a delay that it finds is normal */
+    }
     judge_override_report(now, report);
     judge_ages(now, report);
     judge_outcome(now, before, truth);
@@ -568,11 +570,12 @@ void Oracle::judge_uplink(Moment now, const Truth &truth) {
                     ms_text(now.true_us - newest) + ", and the client is armed");
 }
 
+/* What comes again so late counts as another commander's (SAFETY.md). */
 void Oracle::judge_standing(Moment now, const Truth &truth) {
     const bool loose = !lease_.alive && !truth.clients_target.zero() &&
                        report_.state == ROBUROC4_STATE_READY && report_.differential_known &&
                        newest_[differential].known && !sent_.empty() &&
-                       report_.age_us[differential] < watched_us;
+                       report_.age_us[differential] < watched_us && !report_.other_commander;
     if (loose && now.true_us - last_speed_us_ > milliseconds(config_.robot_watchdog_ms) + 100000)
         reach(Reached::long_watchdog);
     if (!loose || !truth.well || now.true_us - well_since_us_ < 100000)
