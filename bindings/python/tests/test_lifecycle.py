@@ -152,7 +152,7 @@ def test_stop_after_close_does_nothing_and_hides_no_error(served: Simulator) -> 
 
 def test_a_hanging_interpreter_stops_the_robot(start: Start) -> None:
     program = CONNECT + (
-        "robot.drive(0.5, 0.0)\n"
+        f"robot.drive(0.5, 0.0, lease_s={LEASE_S})\n"
         "print(time.monotonic(), flush=True)\n"
         "ctypes.PyDLL(None).usleep(2_000_000)\n"  # holds the GIL
         "print(time.monotonic(), flush=True)\n"
