@@ -2,9 +2,9 @@
 """Patience with a loaded machine, for the programs that tests start.
 
 Every Python that has this folder in PYTHONPATH imports this module first. By default a client
-disarms where it has heard nothing for 300 ms, and stops where the program did not repeat a command
-for 250 ms, as it must on a robot; a machine that does not run a test for so long is no failure. What
-the defaults promise is tested in virtual time.
+disarms where it has heard nothing for 300 ms, and stops where the program did not repeat a
+command for 250 ms, as it must on a robot; a machine that does not run a test for so long is no
+failure. What the defaults promise is tested in virtual time.
 """
 
 try:
