@@ -230,6 +230,7 @@ class Oracle {
     void watch_restart(Moment now, const Datagram &datagram);
     void forget_robot(Moment now);
     bool ours(Speeds target, std::uint64_t since_us) const;
+    bool resembles_ours(Speeds target, std::uint64_t since_us) const;
     std::uint64_t tolerance_us(Moment now) const;
     bool ages_are_new(std::uint64_t true_us, int service) const;
     std::uint64_t first_ages_us(Moment now) const;

@@ -156,6 +156,19 @@ bool Oracle::ours(Speeds target, std::uint64_t since_us) const {
     });
 }
 
+/** Whether it lies between speeds that left lately: late statuses show those from before. */
+bool Oracle::resembles_ours(Speeds target, std::uint64_t since_us) const {
+    const auto spans = [&](float Speeds::*axis) {
+        bool below = false, above = false;
+        for (const Sent &sent : sent_) {
+            below = below || (sent.true_us >= since_us && sent.speeds.*axis <= target.*axis);
+            above = above || (sent.true_us >= since_us && sent.speeds.*axis >= target.*axis);
+        }
+        return below && above;
+    };
+    return spans(&Speeds::v) && spans(&Speeds::w);
+}
+
 /* What the robot shows as its target: ours within a lease, and none of ours without. */
 void Oracle::watch_target(Moment now, const Datagram &datagram) {
     const Speeds target = reported_target_;
@@ -163,8 +176,9 @@ void Oracle::watch_target(Moment now, const Datagram &datagram) {
     if (lease_.alive && armed_ && !stop_.active && target_since_us_ != UINT64_MAX &&
         config_.drive_period_ms <= 100) {
         /* of two changes in a row, the first proves that commands arrived, too */
-        const bool shown =
-            near(target, target_sent_) || interfered || ours(target, now.true_us - uplink_us);
+        const bool shown = near(target, target_sent_) || interfered ||
+                           ours(target, now.true_us - uplink_us) ||
+                           (robot_.own_queues && resembles_ours(target, now.true_us - 4000000));
         /* one that disappears is missing since a status has shown it: while none came, nothing
          * could (and where all answers have one id, nothing else tells) */
         if (shown || target_shown_)
