@@ -96,6 +96,7 @@ def section(part):
     """One part, as it was measured."""
     tools = ", ".join(part.get("versions", []))
     measured = f"Measured {part['measured']} at {part.get('code', 'no commit')}"
+    measured += f" on {part.get('machine', 'an unknown machine')}"
     if part.get("quick"):
         measured += " (**a quick run, which judges nothing**)"
     return f"{part['about']} {measured}{' with ' + tools if tools else ''}.\n\n{table(part)}\n"
@@ -118,9 +119,7 @@ def main():
         if path.exists():
             part = json.loads(path.read_text("utf-8"))
             sections[part["title"]] = section(part)
-            machine = part.get("machine", "unknown")
-    sections.pop("Machine", None)
-    text = HEAD + f"\n## Machine\n{machine}\n"
+    text = HEAD
     for title, body in sections.items():
         text += f"\n## {title}\n{body.strip()}\n"
     given.out.write_text(text, "utf-8")
