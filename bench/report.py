@@ -35,7 +35,7 @@ SHOWN = {
 REASONS = {
     "receive an IO card's status": "it decides about driving, and 20 a second are nothing",
     "receive a battery status": "each status proves ages and shows restarts",
-    "firmware that drives, linked": "robots nobody has seen cost it; options take them out",
+    "firmware that drives, linked": "it copes with robots that nobody has seen",
     "a metre, in a firmware that drives": "it learns the robot's response, in emulated floats",
     "a client's memory": "ages, restarts and stops of every robot",
     "processor, one robot as by default": "under 1 % is not worth more code",

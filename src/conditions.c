@@ -10,10 +10,7 @@ static bool fresh(const client *c, uint32_t service, uint64_t now_us, timer *t) 
                                c->private_config.fresh_ms * MS, now_us, t);
 }
 
-/** Whether an input may be the game pad's [A]. Until the services are known, the IO card's
- * properties were read and its texts were requested, there may be one. A configured override input
- * exists unless the card has fewer inputs. */
-static bool may_have_pad(const client *c) {
+bool roburoc4_conditions_may_have_pad(const client *c) {
     const discovery *d = &c->private_discovery;
     const bool automatic =
         c->private_config.role_index[ROBUROC4_ROLE_OVERRIDE] == ROBUROC4_INDEX_AUTO;
@@ -23,14 +20,6 @@ static bool may_have_pad(const client *c) {
     return (d->known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0 ||
            (automatic && !roburoc4_discovery_inputs_passed(d, c->private_values.io_counts)) ||
            index_of_role(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
-}
-
-pad_state roburoc4_conditions_pad(const client *c, bool newest) {
-    if (c->private_conditions.overridden) {
-        return PAD_HELD;
-    }
-    const bool certain = c->private_conditions.override_known ? newest : !may_have_pad(c);
-    return certain ? PAD_RELEASED : PAD_NOT_SEEN;
 }
 
 /** Why there is no fresh status of a service: `stale`, unless there is no subscription. A service
@@ -78,7 +67,8 @@ static roburoc4_result refusal(const client *c, uint64_t now_us, timer *t) {
     if (!fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, now_us, t)) {
         return not_fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, ROBUROC4_ERR_STALE_DIFFERENTIAL);
     }
-    if ((options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) == 0 || may_have_pad(c)) {
+    if ((options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) == 0 ||
+        roburoc4_conditions_may_have_pad(c)) {
         if (!fresh(c, ROBUROC4_SERVICE_IOCARD, now_us, t)) {
             return not_fresh(c, ROBUROC4_SERVICE_IOCARD, ROBUROC4_ERR_STALE_IOCARD);
         }

@@ -503,8 +503,10 @@ void roburoc4_subscriptions_renew_silent(subscriptions *s, const roburoc4_config
 
 /* ---- conditions.c ---- */
 
-/** What statuses say of [A]; `newest`: that of the inputs is as new as that of the speeds. */
-pad_state roburoc4_conditions_pad(const roburoc4_client *c, bool newest);
+/** Whether an input may be the game pad's [A]. Until the services are known, the IO card's
+ * properties were read and its texts were requested, there may be one. A configured override input
+ * exists unless the card has fewer inputs. */
+bool roburoc4_conditions_may_have_pad(const roburoc4_client *c);
 /** Pass the time and the conditions of driving to the drive state machine. */
 void roburoc4_conditions_tick(roburoc4_client *c);
 /** Raise the event of a client that became armable. */

@@ -266,8 +266,12 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     if (c->private_outputs.relocalizing) {
         roburoc4_schedule_watch_pose(c);
     }
-    roburoc4_drive_status(d, &c->private_config, &v->differential,
-                          roburoc4_conditions_pad(c, inputs_are_newest(c)), &c->private_link,
+    const bool seen = c->private_conditions.override_known ? inputs_are_newest(c)
+                                                           : !roburoc4_conditions_may_have_pad(c);
+    const pad_state pad = c->private_conditions.overridden ? PAD_HELD
+                          : seen                           ? PAD_RELEASED
+                                                           : PAD_NOT_SEEN;
+    roburoc4_drive_status(d, &c->private_config, &v->differential, pad, &c->private_link,
                           c->private_timer.now_us, &c->private_events);
     if (d->stopping || d->armed != armed) {
         wake(c);
