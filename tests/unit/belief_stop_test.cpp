@@ -189,7 +189,7 @@ TEST_F(StopBelief, IsSentAgainWhenOurSpeedComesBack) {
     bench.run(300 * ms);
     ASSERT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
     robot.target_linear = 1;
-    bench.drop_to_robot = [](const Bytes &) { return true; };
+    bench.drop_to_robot = everything;
     bench.run(60 * ms);
     robot.target_linear = 0; /* as others come late, too */
     bench.run(2 * second);
@@ -248,7 +248,7 @@ TEST_F(StopBelief, IsRepeatedForAsLongAsOurSpeedIsReported) {
 
 TEST_F(StopBelief, IsWatchedWhileWhatWasSentMayStillArrive) {
     bench.armed();
-    bench.drop_to_robot = [](const Bytes &) { return true; }; /* a queue takes it all */
+    bench.drop_to_robot = everything; /* a queue takes it all */
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 200 * ms));
     bench.stop();
     bench.run(6 * second);
@@ -397,7 +397,7 @@ TEST_F(StopBelief, IsNotConfirmedByTheStopBeforeWhereTheServiceIsGone) {
 
 TEST_F(StopBelief, IsWatchedThroughLeasesWithoutASpeed) {
     bench.armed();
-    bench.drop_to_robot = [](const Bytes &) { return true; }; /* a queue takes it all */
+    bench.drop_to_robot = everything; /* a queue takes it all */
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 200 * ms));
     for (int i = 0; i < 4; i++) {
         bench.stop();
@@ -445,7 +445,7 @@ TEST_F(StopBelief, InFixedIdModeIsNotConfirmedWhileItsZerosAreOnTheirWay) {
     Bench told(robot, config);
     told.armed();
     ASSERT_TRUE(told.facts().fixed_id);
-    told.drop_to_robot = [](const Bytes &) { return true; }; /* a queue takes it all */
+    told.drop_to_robot = everything; /* a queue takes it all */
     ASSERT_NO_FATAL_FAILURE(told.driving(1, 0, 200 * ms));
     told.pause();
     told.run(700 * ms);
@@ -478,7 +478,7 @@ TEST_F(StopBelief, IsProvenOnlyByWhatIsCertainlyTheAnswerToALaterRequest) {
         ASSERT_EQ(c.fixed_id, told.facts().fixed_id == 1);
         told.drop_to_robot = is_command;
         ASSERT_NO_FATAL_FAILURE(told.driving(1, 0, 200 * ms));
-        told.drop_to_robot = [](const Bytes &) { return true; };
+        told.drop_to_robot = everything;
         const auto subscribe = [&](std::uint32_t period_ms) {
             ASSERT_EQ(ROBUROC4_OK,
                       roburoc4_client_subscribe(&told.client, ROBUROC4_SERVICE_TELEMETER, period_ms,

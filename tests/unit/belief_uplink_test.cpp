@@ -68,7 +68,7 @@ TEST(Uplink, ThatIsDeadDisarmsWithinHalfASecond) {
     Bench bench(robot);
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
-    bench.drop_to_robot = [](const Bytes &) { return true; };
+    bench.drop_to_robot = everything;
     EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0.5F, 0, 550 * ms));
 }
 
@@ -141,7 +141,7 @@ TEST(Uplink, ThatWasDeadMustAnswerBeforeItArms) {
         Bench bench(robot);
         bench.armed();
         ASSERT_NO_FATAL_FAILURE(bench.driving(what == ZEROS ? 0 : 0.5F, 0, second));
-        bench.drop_to_robot = [](const Bytes &) { return true; };
+        bench.drop_to_robot = everything;
         if (what == ZEROS_WHILE_IT_STOPS)
             bench.pause();
         EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(speed, 0, 2 * second));
@@ -169,7 +169,7 @@ TEST(Uplink, ThatWasDeadIsNotProvenByALateAnswer) {
     bench.pump();
     const std::uint8_t id = bench.sent.back().bytes[0];
     ASSERT_NO_FATAL_FAILURE(bench.driving(0, 0, second));
-    bench.drop_to_robot = [](const Bytes &) { return true; };
+    bench.drop_to_robot = everything;
     ASSERT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0, 0, 2 * second));
     ASSERT_EQ(ROBUROC4_OK, bench.receive(plain_answer(id, ROBUROC4_ACTION_INSERT,
                                                       ROBUROC4_SERVICE_NOTIFICATION, 0)));
@@ -186,7 +186,7 @@ TEST(Uplink, OfARobotThatKnowsOneIdIsWatchedByChangesOfTheTargetAlone) {
     ASSERT_TRUE(bench.facts().fixed_id);
     bench.drop_to_client = [](const Bytes &bytes) { return !is_status(bytes); };
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 2 * second));
-    bench.drop_to_robot = [](const Bytes &) { return true; };
+    bench.drop_to_robot = everything;
     EXPECT_GT(0, bench.drive_until_refused(0.3F, 0, 550 * ms));
 }
 

@@ -831,7 +831,7 @@ TEST(Subscribe, IsRequestedAtOnceWhateverWasRefusedBefore) {
         } else if (way == 2) { /* its end is owed, and not sent yet */
             ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
         } else if (way == 3) { /* its end was sent, but not answered yet */
-            bench.drop_to_robot = [](const Bytes &) { return true; };
+            bench.drop_to_robot = everything;
             ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
             bench.pump();
             bench.drop_to_robot = nullptr;

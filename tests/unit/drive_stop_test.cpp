@@ -127,7 +127,7 @@ TEST(StopSequence, ContinuesWhileTheSameRobotIsDiscoveredAgain) {
     Bench bench(robot);
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
-    bench.drop_to_client = [](const Bytes &) { return true; };
+    bench.drop_to_client = everything;
     while (bench.state() == ROBUROC4_STATE_READY) {
         bench.drive(0.5F, 0);
         bench.run(10 * ms);

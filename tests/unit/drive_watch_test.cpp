@@ -186,7 +186,7 @@ TEST(OtherCommander, IsNotASpeedOfOursThatAQueueKeptThroughLaterLeases) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
-    bench.drop_to_robot = [](const Bytes &) { return true; }; /* a queue takes it all */
+    bench.drop_to_robot = everything; /* a queue takes it all */
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     for (int i = 0; i < 8; i++) {
         bench.pause();

@@ -584,8 +584,8 @@ void Oracle::judge_uplink(Moment now, const Truth &truth) {
                     ms_text(now.true_us - newest) + ", and the client is armed");
 }
 
-/* What comes again so late counts as another commander's (SAFETY.md). */
 void Oracle::judge_standing(Moment now, const Truth &truth) {
+    /* statuses of 2 s are too old, and a speed that comes late enough is another commander's */
     const bool loose = !lease_.alive && !truth.clients_target.zero() &&
                        report_.state == ROBUROC4_STATE_READY && report_.differential_known &&
                        newest_[differential].known && !sent_.empty() &&
