@@ -40,10 +40,9 @@ __attribute__((noinline)) static roburoc4_result turn(uint8_t *data, size_t rece
     roburoc4_result due;
     if (received > 0) {
         (void)roburoc4_client_receive(&client, data, received, now_us);
-        if (drives && data[1] == ROBUROC4_SERVICE_DIFFERENTIAL) {
-            if (roburoc4_client_drive(&client, 0.3F, 0, 0, now_us) < 0) {
-                die("it no longer drives");
-            }
+        if (drives && data[1] == ROBUROC4_SERVICE_DIFFERENTIAL &&
+            roburoc4_client_drive(&client, 0.3F, 0, 0, now_us) < 0) {
+            die("it no longer drives");
         }
     }
     due = roburoc4_client_poll_transmit(&client, data, ROBUROC4_SIM_MAX_TRANSMIT, now_us);

@@ -39,7 +39,6 @@ REASONS = {
     "a metre, in a firmware that drives": "it learns the robot's response, in emulated floats",
     "a client's memory": "ages, restarts and stops of every robot",
     "processor, one robot as by default": "under 1 % is not worth more code",
-    "processor, watching": "Python's DDS takes most of it",
 }
 
 
