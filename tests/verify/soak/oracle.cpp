@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace soak {
 
@@ -66,9 +67,13 @@ void Oracle::observe(Moment now) {
                 if (restart_us_ != 0 && now.true_us - restart_us_ < 3000000)
                     gave_up_ = true; /* what tells a restart from late statuses is gone, too */
             }
-            stop_.due_us = stop_.again_us = now.true_us;
-            if (by_client < truly) /* ahead: by its own clock the time may be over */
-                stop_.due_client_us = now.client_us;
+            /* a small step between two calls is none to the client: its stop goes on */
+            if (by_client < 0 ||
+                std::llabs(truly - by_client) > static_cast<std::int64_t>(slack_us)) {
+                stop_.due_us = stop_.again_us = now.true_us;
+                if (by_client < truly) /* ahead: by its own clock the time may be over */
+                    stop_.due_client_us = now.client_us;
+            }
             stop_requested_us_ = now.true_us;
         }
         /* A pause may have been a jump of the clock, and statuses with a queue of their own that

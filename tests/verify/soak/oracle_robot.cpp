@@ -483,7 +483,8 @@ void Oracle::judge_disarming(Moment now, const Report &report) {
     switch (cause) {
     case ROBUROC4_ERR_STALE_DIFFERENTIAL:
     case ROBUROC4_ERR_STALE_IOCARD:
-        if (!robot_.prompt || (jumped_us_ != 0 && now.true_us - well_since_us_ < forgiven_after_us))
+        if (!robots_.back().prompt ||
+            (jumped_us_ != 0 && now.true_us - well_since_us_ < forgiven_after_us))
             return; /* only a good network shows a jump, however long ago */
         break;
     case ROBUROC4_ERR_INHIBITED:
@@ -616,6 +617,9 @@ void Oracle::judge_override_report(Moment now, const Report &report) {
     /* while statuses are old, nothing is done that a restart could make wrong */
     if (!report.override_known || report.state != ROBUROC4_STATE_READY ||
         report.age_us[iocard] >= milliseconds(config_.fresh_ms))
+        return;
+    /* where all answers have one id, a late text may have counted as another's, but [A] is right */
+    if (robot_.literal_ids && report.override_index == robot_.pad_a)
         return;
     const int index = rule_.index();
     if (index < 0 && boot_ == 0) /* after a restart, it is not certain which texts count */
