@@ -281,15 +281,15 @@ logged() {
     set -e
 }
 
-# begin_beside SCRIPT: run it beside the stages that follow; its lines appear among theirs. It runs in
+# begin_beside SCRIPT [ARGUMENT...]: run it beside the stages that follow; its lines appear among theirs. It runs in
 # real time, so they compute mostly what it leaves: $aside.
 # end_beside: wait for it, and fail if it failed.
 aside=
 begin_beside() {
     aside='nice -n 2' # on a busy machine, more would leave it little
-    beside_script=$1
+    beside_script="$*"
     # In a session of its own, so that all of it can be ended.
-    ROBUROC4_BESIDE=yes env --default-signal setsid "$1" </dev/null &
+    ROBUROC4_BESIDE=yes env --default-signal setsid "$@" </dev/null &
     beside_pid=$!
     trap 'kill -- "-$beside_pid" 2>/dev/null || :' EXIT
     trap 'exit 130' INT

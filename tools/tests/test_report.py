@@ -163,7 +163,7 @@ def test_a_page_mentions_what_it_cannot_show(tmp_path: Path) -> None:
         assert words in text
 
 
-@pytest.mark.parametrize("seed", range(25))
+@pytest.mark.parametrize("seed", range(5))
 def test_any_values_make_a_page(tmp_path: Path, seed: int) -> None:
     chance = random.Random(seed)
     strange = [float("nan"), float("inf"), -float("inf"), 0.0, 1e300, -1e300, 1e-300, 3.0e38]
