@@ -614,7 +614,7 @@ typedef struct roburoc4_private_drive {
     uint16_t service;
     uint32_t lease_us, granted_us, sent_us, stop_us, envelope_us, heard_us;
     int32_t disarm_cause;
-    uint32_t expected_us;
+    uint32_t expected_us, shown_cycles;
     float target[2], sent[2];
     float low[2], high[2], low_before[2], high_before[2];
     float echoed[2], echo_low[2], echo_high[2];
@@ -676,7 +676,7 @@ typedef struct roburoc4_private_outputs {
 struct roburoc4_client {
     uint64_t private_now_us, private_idle_until_us;
     roburoc4_private_timer private_timer;
-    uint32_t private_size, private_events, private_state;
+    uint32_t private_size, private_state;
     roburoc4_config private_config;
     roburoc4_private_conditions private_conditions;
     roburoc4_private_drive private_drive;
@@ -688,7 +688,7 @@ struct roburoc4_client {
     roburoc4_private_outputs private_outputs;
     roburoc4_private_link private_link;
     roburoc4_private_values private_values;
-    uint32_t private_reserved[2];
+    uint32_t private_reserved, private_events;
 };
 
 #ifdef __cplusplus

@@ -11,7 +11,7 @@ LAYOUT(slot, sizeof(roburoc4_private_slot) == 20);
 LAYOUT(requests, sizeof(roburoc4_private_requests) == 96);
 LAYOUT(service, sizeof(roburoc4_private_service) == 56);
 LAYOUT(link, sizeof(roburoc4_private_link) == 376);
-LAYOUT(drive, sizeof(roburoc4_private_drive) == 156);
+LAYOUT(drive, sizeof(roburoc4_private_drive) == 160);
 LAYOUT(follow, sizeof(roburoc4_private_follow) == 32);
 LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 216);
 LAYOUT(subscriptions, sizeof(roburoc4_private_subscriptions) == 32);
@@ -19,7 +19,7 @@ LAYOUT(values, sizeof(roburoc4_private_values) == 456);
 LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 64);
 LAYOUT(config, sizeof(roburoc4_config) == 88);
 LAYOUT(client, sizeof(roburoc4_client) == 1600);
-LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 128);
+LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 124);
 LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 760);
 LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1136);
 

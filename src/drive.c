@@ -133,13 +133,13 @@ void roburoc4_drive_stop(drive *d, uint32_t *events) {
     d->disarm_cause = ROBUROC4_ERR_STOPPED; /* also if it was disarmed before */
 }
 
-void roburoc4_drive_override(drive *d, bool overridden, bool newest) {
+void roburoc4_drive_override(drive *d, bool overridden, bool known, uint32_t cycles) {
     const bool released = d->overridden && !overridden;
     d->overridden = overridden;
     if (overridden) {
         d->confirmed = UNCONFIRMED; /* the robot ignores commands now */
-    } else if (newest && d->confirmed == SHOWN) {
-        d->confirmed = CONFIRMED;
+    } else if (known && d->confirmed == SHOWN && (int32_t)(cycles - d->shown_cycles) >= 0) {
+        d->confirmed = CONFIRMED; /* [A] was not held when the status was made that shows it */
     }
     if (released && d->unconfirmed) {
         stop_again(d);   /* the robot may have ignored the zeros, and obey the speed from before */
@@ -544,6 +544,9 @@ static void watch_stop(drive *d, bool zero, bool released, const roburoc4_privat
                d->confirmed != CONFIRMED &&
                now_us - d->expected_us >=
                    roburoc4_link_age_at_arrival(l, index) + (d->echo_due ? SHOWN_AFTER_US : 0)) {
+        if (d->confirmed == UNCONFIRMED) {
+            d->shown_cycles = (uint32_t)l->services[index].robot_cycles;
+        }
         d->confirmed = released ? CONFIRMED : SHOWN;
     }
 }

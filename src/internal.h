@@ -237,9 +237,8 @@ void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events)
 void roburoc4_drive_pause(drive *d);
 /** The same, and disarm. */
 void roburoc4_drive_stop(drive *d, uint32_t *events);
-/** [A] on the game pad is held, or not, by a status that is as new as the newest of the
- * differential service, or older. */
-void roburoc4_drive_override(drive *d, bool overridden, bool newest);
+/** [A] on the game pad is held, or not, by a status of this time; `known`: it can be seen. */
+void roburoc4_drive_override(drive *d, bool overridden, bool known, uint32_t cycles);
 /** Whether commands did not arrive, and nothing shows yet that they do again. */
 bool roburoc4_drive_is_cut_off(const drive *d);
 /** Whether only an answer to a request that is sent now can show that the zeros arrived. */
@@ -256,7 +255,7 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
                          const roburoc4_differential_properties *limits, timer *t, float *speeds,
                          uint32_t *events);
-/* [A] on the game pad: released, if there is one; not seen by a status as new; or held. */
+/* [A] on the game pad: released; not seen by a status as new; or held. */
 typedef enum pad_state { PAD_RELEASED, PAD_NOT_SEEN, PAD_HELD } pad_state;
 /** A status arrived; how old it is at most, the link knows. */
 void roburoc4_drive_status(drive *d, const roburoc4_config *config,

@@ -18,6 +18,10 @@ typedef roburoc4_private_service service;
 #define RECENT_STATUSES 200
 #define MAP_WINDOW_US (5 * SECOND)
 #define AGE_UNKNOWN UINT32_MAX
+/* A bound on ages as high as this is of little use. */
+#define POOR_US (300 * MS)
+/* So is one that was not proved for this long. */
+#define UNPROVEN_US (5 * SECOND)
 /* The unit of `lowered`, as a power of two of microseconds. */
 #define LOWERED_BITS 10
 /* A robot cannot restart within this time; after a longer gap, or once it was lost, its clock must
@@ -223,6 +227,9 @@ static void lower_floor(roburoc4_private_link *l, uint64_t transit, uint32_t bel
     const uint32_t drifted = drifted_us(l, now_us);
     if (drifted > below_us) {
         l->floor_age_us = sum(l->floor_age_us, drifted - below_us);
+    } else {
+        l->lowered =
+            (uint16_t)at_most(l->lowered + ((below_us - drifted) >> LOWERED_BITS), UINT16_MAX);
     }
     l->floor_us = transit;
     l->proven_us = now_us;
@@ -329,6 +336,13 @@ static bool dates_itself(const roburoc4_private_link *l, const service *s, uint6
             (uint32_t)now_us - l->card_inserted_us >= SECOND);
 }
 
+/** Whether the bound on ages needs another proof, if only by a status that is older than others: it
+ * may have waited by itself. */
+static bool is_poor(const roburoc4_private_link *l, uint64_t now_us) {
+    return (l->floor_age_us >= POOR_US && l->floor_age_us != AGE_UNKNOWN) ||
+           now_us - l->proven_us >= UNPROVEN_US;
+}
+
 /** By how much less a status took than any before, beyond what clocks drift apart. */
 static uint32_t early_by(const roburoc4_private_link *l, int32_t late_us, uint64_t now_us) {
     if (late_us >= 0) {
@@ -400,7 +414,6 @@ static verdict judge_time(roburoc4_private_link *l, const service *s, uint64_t r
         l->back_count++; /* without a gap, one may be a corrupted datagram */
         return gap || l->back_count >= BACK_STATUSES ? VERDICT_REBOOT : VERDICT_OLD;
     }
-    l->lowered = (uint16_t)at_most(l->lowered + (early_us >> LOWERED_BITS), UINT16_MAX);
     const bool restart = robot_cycles < l->newest_cycles ? restarted(l, s, robot_cycles, now_us)
                                                          : clock_was_set(l, late_us, now_us);
     return restart ? VERDICT_REBOOT : VERDICT_NEW;
@@ -413,7 +426,7 @@ static void learn_times(roburoc4_private_link *l, const service *s, uint64_t tra
     if (l->slack_us > not_negative(late_us)) {
         l->slack_us = not_negative(late_us); /* the clock has not jumped by more */
     }
-    if (l->answered && newest && dates_itself(l, s, now_us)) {
+    if (l->answered && dates_itself(l, s, now_us) && (newest || is_poor(l, now_us))) {
         l->answered = 0;
         learn_age(l, not_negative(late_us), now_us);
     }

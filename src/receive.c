@@ -204,13 +204,6 @@ static roburoc4_result decode_status(const client *c, uint32_t service, const ui
     }
 }
 
-/** Whether the newest status of the inputs is as new as that of the speeds. */
-static bool inputs_are_newest(const client *c) {
-    const roburoc4_private_service *services = c->private_link.services;
-    return services[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)].robot_cycles >=
-           services[STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL)].robot_cycles;
-}
-
 /** The inputs, and from them the override: whether the game pad's [A] is held. */
 static void take_inputs(client *c, const roburoc4_channels *inputs) {
     values *v = &c->private_values;
@@ -225,7 +218,7 @@ static void take_inputs(client *c, const roburoc4_channels *inputs) {
         raise_event(c, ROBUROC4_EVENT_OVERRIDE);
     }
     if (known != c->private_conditions.override_known ||
-        overridden != c->private_conditions.overridden) {
+        overridden != c->private_conditions.overridden || c->private_drive.stopping) {
         wake(c);
     }
     c->private_conditions.override_known = known;
@@ -235,7 +228,9 @@ static void take_inputs(client *c, const roburoc4_channels *inputs) {
             c->private_config.robot_watchdog_ms * MS) {
         c->private_drive.overridden = overridden; /* no other stop sequence, as this one must end */
     }
-    roburoc4_drive_override(&c->private_drive, overridden, known && inputs_are_newest(c));
+    const uint32_t card = STATUS_INDEX(ROBUROC4_SERVICE_IOCARD);
+    roburoc4_drive_override(&c->private_drive, overridden, known,
+                            (uint32_t)c->private_link.services[card].robot_cycles);
     if (overridden) {
         roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_OVERRIDE);
     }
@@ -258,6 +253,17 @@ static void take_battery_status(client *c, const roburoc4_battery_status *status
     v->battery = *status;
 }
 
+/** Whether [A] is not held, by a status as new as that of the speeds; or cannot be known, which the
+ * user has allowed. */
+static bool pad_is_released(const client *c) {
+    const roburoc4_private_service *services = c->private_link.services;
+    return c->private_conditions.override_known
+               ? services[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)].robot_cycles >=
+                     services[STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL)].robot_cycles
+               : (c->private_config.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0 &&
+                     !roburoc4_conditions_may_have_pad(c);
+}
+
 static void take_speeds(client *c, const roburoc4_differential_status *status) {
     values *v = &c->private_values;
     drive *d = &c->private_drive;
@@ -266,10 +272,8 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     if (c->private_outputs.relocalizing) {
         roburoc4_schedule_watch_pose(c);
     }
-    const bool seen = c->private_conditions.override_known ? inputs_are_newest(c)
-                                                           : !roburoc4_conditions_may_have_pad(c);
     const pad_state pad = c->private_conditions.overridden ? PAD_HELD
-                          : seen                           ? PAD_RELEASED
+                          : pad_is_released(c)             ? PAD_RELEASED
                                                            : PAD_NOT_SEEN;
     roburoc4_drive_status(d, &c->private_config, &v->differential, pad, &c->private_link,
                           c->private_timer.now_us, &c->private_events);

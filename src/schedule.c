@@ -11,6 +11,8 @@
 /* Given up after 2.5 s (at the default first_retry_ms); a probe asks again later. */
 #define REQUEST_TRIES 5
 #define FIRST_STATUS_SERVICE ROBUROC4_SERVICE_IOCARD
+/* Where an error does not name its request, another refusal so soon would keep texts waiting. */
+#define DECLINED_US (30 * SECOND)
 /* A pose that could not be sent within this time is sent only if the robot has been at rest; the
  * same holds of one that is accepted after POSE_TAKEN_US. */
 #define POSE_US (50 * MS)
@@ -74,6 +76,13 @@ static bool open_text(client *c, text_choice choice) {
     return roburoc4_requests_begin(&c->private_requests, &a);
 }
 
+static void ask_declined_again(client *c) {
+    subscriptions *s = &c->private_subscriptions;
+    if (!c->private_requests.single_texts || due(&c->private_timer, s->refused_us, DECLINED_US)) {
+        s->declined = 0;
+    }
+}
+
 /** A request to each service in turn. It measures the round trip, keeps properties current, notices
  * a changed directory, and repeats what was refused. Then a missing text is requested. */
 static bool open_probe(client *c) {
@@ -88,7 +97,7 @@ static bool open_probe(client *c) {
         roburoc4_discovery_ask_again(d, c->private_values.io_counts);
     }
     if (s->probe_kind == 0) {
-        c->private_subscriptions.declined = 0;
+        ask_declined_again(c);
         if (in_fixed_id_mode(&c->private_requests) &&
             index_of_role(c, ROBUROC4_ROLE_OVERRIDE) < 0 &&
             roburoc4_discovery_inputs_passed(d, c->private_values.io_counts)) {
@@ -163,7 +172,11 @@ static bool open_pose(client *c) {
  * always due: then they take turns. */
 static bool open_probe_or_text(client *c) {
     roburoc4_private_schedule *s = &c->private_schedule;
-    const bool text_first = s->text_first && in_fixed_id_mode(&c->private_requests);
+    const bool fixed_id = in_fixed_id_mode(&c->private_requests);
+    const bool text_first = s->text_first && fixed_id;
+    if (fixed_id && (c->private_drive.armed || c->private_drive.stopping)) {
+        return open_probe(c); /* its answer shows that zeros arrived, and a text may have none */
+    }
     s->text_first = 0;
     return (text_first && open_text(c, TEXTS_ALL)) || open_probe(c) || open_text(c, TEXTS_ALL);
 }
@@ -207,7 +220,7 @@ static void identify(client *c) {
     if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
         memset(c->private_values.io_counts, 0, sizeof c->private_values.io_counts);
         forget_override(c);
-        roburoc4_drive_override(&c->private_drive, false, true); /* no status will tell */
+        roburoc4_drive_override(&c->private_drive, false, false, 0);
     }
 }
 

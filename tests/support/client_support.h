@@ -432,6 +432,16 @@ class LateRobot : public ScriptedRobot {
     std::multimap<std::uint64_t, Bytes> held_;
 };
 
+/** Statuses of the inputs have a queue of their own. */
+struct LateInputsRobot : LateRobot {
+    std::uint64_t inputs_us = 0;
+
+  private:
+    std::uint64_t late_us(const Bytes &bytes) override {
+        return is_status(bytes) && bytes[1] == ROBUROC4_SERVICE_IOCARD ? inputs_us : 0;
+    }
+};
+
 /** Stamps of the services that measure motion are 15 cycles older than the others. */
 struct MeasuringRobot : ScriptedRobot {
     std::vector<Bytes> take() override {

@@ -49,6 +49,27 @@ std::uint32_t age_us(const Bench &bench) {
 
 } // namespace
 
+/** Where only they and speeds are subscribed, the newest status proves nothing. */
+TEST(LateInputs, BoundAgesToo) {
+    for (const std::uint64_t inputs_us : {20 * ms, 55 * ms, 80 * ms}) {
+        SCOPED_TRACE(inputs_us);
+        LateInputsRobot robot;
+        robot.inputs_us = inputs_us;
+        roburoc4_config config = default_config();
+        config.subscriptions = 1U << ROBUROC4_SERVICE_IOCARD | 1U << ROBUROC4_SERVICE_DIFFERENTIAL;
+        Bench bench(robot, config);
+        bench.ready();
+        bench.run(7 * second);
+        ASSERT_EQ(ROBUROC4_OK, bench.arm());
+        bench.run(600 * second);
+        EXPECT_LT(age_us(bench), 150 * ms);
+        EXPECT_GE(bench.facts().age_us[ROBUROC4_SERVICE_IOCARD] + 20 * ms, inputs_us);
+        robot.inputs_us = 600 * ms;
+        bench.run(50 * second);
+        EXPECT_GE(bench.facts().age_us[ROBUROC4_SERVICE_IOCARD], 580 * ms);
+    }
+}
+
 TEST(Age, OfStatusesThatAloneAreQueuedIsNotForgiven) {
     QueueingRobot robot;
     Bench bench(robot);

@@ -114,6 +114,49 @@ TEST_F(StopBelief, IsNotConfirmedBeforeTheInputOfTheOverrideIsRead) {
     }
 }
 
+TEST(LateInputs, ConfirmAStop) {
+    for (const std::uint64_t inputs_us : {10 * ms, 55 * ms, 100 * ms}) {
+        SCOPED_TRACE(inputs_us);
+        LateInputsRobot robot;
+        robot.inputs_us = inputs_us;
+        Bench bench(robot);
+        bench.armed();
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+        ASSERT_EQ(ROBUROC4_OK, bench.pause());
+        bench.run(500 * ms);
+        EXPECT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
+    }
+}
+
+TEST(LateInputs, ConfirmNoStopFromBeforeItWasShown) {
+    LateInputsRobot robot;
+    robot.inputs_us = 100 * ms;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+    ASSERT_EQ(ROBUROC4_OK, bench.pause());
+    bench.run(80 * ms); /* inputs from before the stop arrive */
+    EXPECT_EQ(0.0F, robot.target_linear);
+    EXPECT_NE(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
+}
+
+TEST(StopBeliefOfAMonitor, IsNotConfirmedWhereTheOverrideCannotBeKnown) {
+    for (const bool allowed : {false, true}) {
+        SCOPED_TRACE(allowed);
+        ScriptedRobot robot;
+        robot.channel_text = [](std::uint32_t, std::uint32_t) { return "spare"; };
+        roburoc4_config config = default_config();
+        config.options |= allowed ? ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE : 0;
+        Bench bench(robot, config);
+        bench.ready();
+        ASSERT_TRUE(bench.run_until([&] { return bench.facts().descriptions_done == 1; }));
+        ASSERT_EQ(ROBUROC4_OK, bench.stop());
+        bench.run(2 * second);
+        EXPECT_EQ(allowed ? ROBUROC4_STOP_CONFIRMED : ROBUROC4_STOP_TIMED_OUT,
+                  bench.facts().stop_outcome);
+    }
+}
+
 TEST_F(StopBelief, OfAClosingClientIsConfirmedWhenTheOverrideEnds) {
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
@@ -163,7 +206,7 @@ TEST_F(StopBelief, OfAClosingClientEndsHoweverOftenTheOverrideDoes) {
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());
 }
 
-TEST_F(StopBelief, IsConfirmedAgainByARobotThatLostItsInputs) {
+TEST_F(StopBelief, EndsUnconfirmedOnARobotThatLostItsInputs) {
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
     robot.hold(true);
@@ -174,7 +217,7 @@ TEST_F(StopBelief, IsConfirmedAgainByARobotThatLostItsInputs) {
     robot.remove(ROBUROC4_SERVICE_IOCARD);
     bench.run(10 * second);
     ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
-    EXPECT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
+    EXPECT_EQ(ROBUROC4_STOP_TIMED_OUT, bench.facts().stop_outcome);
 }
 
 TEST_F(StopBelief, IsSentAgainWhenOurSpeedComesBack) {
@@ -472,9 +515,10 @@ TEST_F(StopBelief, IsProvenOnlyByWhatIsCertainlyTheAnswerToALaterRequest) {
         ResumingRobot partner;
         partner.always_manual_id = c.fixed_id;
         Bench told(partner, config);
-        told.armed();
+        told.ready();
         ASSERT_TRUE(
             told.run_until([&] { return told.facts().descriptions_done == 1; }, 60 * second));
+        ASSERT_EQ(ROBUROC4_OK, told.arm());
         ASSERT_EQ(c.fixed_id, told.facts().fixed_id == 1);
         told.drop_to_robot = is_command;
         ASSERT_NO_FATAL_FAILURE(told.driving(1, 0, 200 * ms));

@@ -325,6 +325,25 @@ TEST(ErrorTelegram, OfOneToFiveBytesEndsTheRequestThatItFits) {
     }
 }
 
+TEST(ErrorTelegram, OfASubscriptionThatIsAlwaysRefusedLetsLateTextsThrough) {
+    struct Robot : LateRobot {
+        std::uint64_t late_us(const Bytes &bytes) override {
+            return !is_status(bytes) && bytes.size() > 1 && bytes[1] == ROBUROC4_ACTION_QUERY
+                       ? 1050 * ms
+                       : 0;
+        }
+        Bytes sent_as(Bytes bytes) override {
+            bytes.resize(bytes[0] == ROBUROC4_HEADER_ERROR ? 1 : bytes.size());
+            return bytes;
+        }
+    } robot;
+    robot.error_header = true;
+    robot.services[ROBUROC4_SERVICE_LOCALIZATION].insert_refused = true;
+    Bench bench(robot);
+    bench.start();
+    EXPECT_TRUE(bench.run_until([&] { return bench.facts().override_known == 1; }, 120 * second));
+}
+
 /** It does not say which text it refuses, so that no other is taken for refused. */
 TEST(ErrorTelegram, RefusesNoTextThatTheRobotGives) {
     for (const std::uint64_t delay_us : {std::uint64_t{0}, 5 * ms, 150 * ms, 450 * ms}) {

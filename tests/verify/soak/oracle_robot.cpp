@@ -549,6 +549,11 @@ void Oracle::judge_outcome(Moment now, const Report &before, const Truth &truth)
                 std::string("the stop is reported as confirmed") +
                     ((report_.events & ROBUROC4_EVENT_STOPPED) != 0 ? ", " : " (no event), ") +
                     (overridden_ ? "but [A] is held" : "but no status shows it"));
+    const bool knew = report_.override_known || before.override_known || unknown_allowed() ||
+                      (report_.events & ROBUROC4_EVENT_REBOOT) != 0; /* it forgot it since */
+    if (says && !knew)
+        violate(Promise::outcome_is_true, now.true_us,
+                "the stop is reported as confirmed, and it is not known whether [A] is held");
     stop_.nameless = stop_.nameless || before.fixed_id;
     if (says && truth.oldest_speed_us < stop_.first_zero_us && !stop_.nameless)
         violate(Promise::outcome_is_true, now.true_us,
