@@ -45,7 +45,8 @@ std::uint64_t Oracle::tolerance_us(Moment now) const {
     std::uint64_t unproven = 0;
     if (robot_.own_queues && unproven_us_ != UINT64_MAX)
         unproven = unproven_us_ + (now.true_us - unproven_since_us_) / 1000 + own_queue_us;
-    return 2 * cycle_us + clock_error_us_ + unproven; /* the status's stamp, and another's */
+    return 2 * cycle_us + clock_error_us_ + unproven +
+           (stray_us_ == UINT64_MAX ? 0 : stray_us_); /* the status's stamp, and another's */
 }
 
 /* ------------------------------------------------------------------ leases, arming, stopping */
@@ -187,6 +188,7 @@ void Oracle::started(Moment now) {
     started_us_ = well_since_us_ = now.true_us;
     unproven_us_ = UINT64_MAX;
     clock_error_us_ = 0;
+    stray_us_ = UINT64_MAX;
     last_of_start_.clear();
     for (Newest &newest : newest_)
         newest = Newest();

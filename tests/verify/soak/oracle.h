@@ -269,6 +269,7 @@ class Oracle {
     Newest newest_[5];
     std::uint64_t unproven_us_ = UINT64_MAX; /* of the age of all statuses: see tolerance_us() */
     std::uint64_t unproven_since_us_ = 0, clock_error_us_ = 0;
+    std::uint64_t stray_us_ = UINT64_MAX; /* how late the promptest was since one from before */
     std::uint64_t restart_us_ = 0, changed_us_ = 0;
     Speeds reported_target_, reported_current_;
     std::uint32_t boot_ = 0, required_boot_ = 0;

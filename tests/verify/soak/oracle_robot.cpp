@@ -108,6 +108,8 @@ void Oracle::status(Moment now, const Datagram &datagram) {
     const std::uint64_t age = now.true_us - made;
     newest = {true, made, datagram.u64_at(3), now.client_us, age, datagram.origin.boot};
     ages_known_of_[datagram.origin.index]++;
+    if (made < started_us_ || stray_us_ != UINT64_MAX) /* it may come after an answer (SAFETY.md) */
+        stray_us_ = std::min(stray_us_, age);
     const std::uint64_t crept = (now.true_us - unproven_since_us_) / 1000;
     if (unproven_us_ == UINT64_MAX || age <= unproven_us_ + crept) {
         unproven_us_ = age;
@@ -549,7 +551,8 @@ void Oracle::judge_outcome(Moment now, const Report &before, const Truth &truth)
                 std::string("the stop is reported as confirmed") +
                     ((report_.events & ROBUROC4_EVENT_STOPPED) != 0 ? ", " : " (no event), ") +
                     (overridden_ ? "but [A] is held" : "but no status shows it"));
-    const bool knew = report_.override_known || before.override_known || unknown_allowed() ||
+    const bool knew = report_.override_index >= 0 || before.override_index >= 0 ||
+                      unknown_allowed() ||
                       (report_.events & ROBUROC4_EVENT_REBOOT) != 0; /* it forgot it since */
     if (says && !knew)
         violate(Promise::outcome_is_true, now.true_us,
