@@ -227,9 +227,6 @@ static void lower_floor(roburoc4_private_link *l, uint64_t transit, uint32_t bel
     const uint32_t drifted = drifted_us(l, now_us);
     if (drifted > below_us) {
         l->floor_age_us = sum(l->floor_age_us, drifted - below_us);
-    } else {
-        l->lowered =
-            (uint16_t)at_most(l->lowered + ((below_us - drifted) >> LOWERED_BITS), UINT16_MAX);
     }
     l->floor_us = transit;
     l->proven_us = now_us;
@@ -390,13 +387,20 @@ static bool clock_is_lost(const roburoc4_private_link *l, uint64_t robot_cycles,
     return was_silent(l, now_us) || robot_cycles > l->newest_cycles + BACK_CYCLES;
 }
 
+/** Many small steps must not hide a large one: see ahead_of_time(). */
+static void count_early(roburoc4_private_link *l, uint32_t early_us) {
+    l->lowered = (uint16_t)at_most(l->lowered + (early_us >> LOWERED_BITS), UINT16_MAX);
+}
+
 void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {
     const uint64_t transit = transit_of(robot_cycles, now_us);
     const int32_t late_us = late_by(l, transit);
-    if (robot_cycles < l->newest_cycles || ahead_of_time(l, early_by(l, late_us, now_us), true) ||
+    const uint32_t early_us = early_by(l, late_us, now_us);
+    if (robot_cycles < l->newest_cycles || ahead_of_time(l, early_us, true) ||
         clock_is_lost(l, robot_cycles, now_us)) {
         return; /* perhaps from another start: its subscribed statuses tell */
     }
+    count_early(l, early_us);
     l->newest_cycles = robot_cycles;
     l->back_count = 0;
     map_times(l, transit, late_us, now_us);
@@ -414,6 +418,7 @@ static verdict judge_time(roburoc4_private_link *l, const service *s, uint64_t r
         l->back_count++; /* without a gap, one may be a corrupted datagram */
         return gap || l->back_count >= BACK_STATUSES ? VERDICT_REBOOT : VERDICT_OLD;
     }
+    count_early(l, early_us);
     const bool restart = robot_cycles < l->newest_cycles ? restarted(l, s, robot_cycles, now_us)
                                                          : clock_was_set(l, late_us, now_us);
     return restart ? VERDICT_REBOOT : VERDICT_NEW;
