@@ -676,7 +676,8 @@ typedef struct roburoc4_private_outputs {
 struct roburoc4_client {
     uint64_t private_now_us, private_idle_until_us;
     roburoc4_private_timer private_timer;
-    uint32_t private_size, private_state;
+    uint32_t private_events;
+    uint16_t private_size, private_state;
     roburoc4_config private_config;
     roburoc4_private_conditions private_conditions;
     roburoc4_private_drive private_drive;
@@ -688,7 +689,7 @@ struct roburoc4_client {
     roburoc4_private_outputs private_outputs;
     roburoc4_private_link private_link;
     roburoc4_private_values private_values;
-    uint32_t private_reserved, private_events;
+    uint32_t private_reserved[2];
 };
 
 #ifdef __cplusplus

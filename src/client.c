@@ -47,7 +47,7 @@ size_t roburoc4_client_size(void) {
 void roburoc4_lifecycle_enter(client *c, uint32_t state) {
     wake(c);
     if (c->private_state != state) {
-        c->private_state = state;
+        c->private_state = (uint16_t)state;
         raise_event(c, ROBUROC4_EVENT_STATE);
         raise_event(c, state == ROBUROC4_STATE_READY ? ROBUROC4_EVENT_READY : 0);
     }

@@ -283,7 +283,7 @@ TEST(Init, ByABuildWithAnotherStructIsRefused) {
     for (const std::size_t size : {sizeof(roburoc4_client) - 8, sizeof(roburoc4_client) + 8}) {
         roburoc4_client c;
         ASSERT_EQ(ROBUROC4_OK, roburoc4_client_init(&c, sizeof c, nullptr));
-        c.private_size = static_cast<std::uint32_t>(size);
+        c.private_size = static_cast<std::uint16_t>(size);
         EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_start(&c, 1));
         EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_drive(&c, 1, 0, 100000, 1));
         EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), roburoc4_client_state(&c));
