@@ -120,6 +120,10 @@ class Oracle {
     int override_index() const {
         return rule_.index();
     }
+    /** Whether there was a start of the robot that the client need not have noticed. */
+    bool start_is_hidden() const {
+        return required_boot_ + 1 < robots_.size();
+    }
     std::uint64_t speeds_sent() const {
         return speeds_sent_;
     }
@@ -236,10 +240,6 @@ class Oracle {
     std::uint64_t first_ages_us(Moment now) const;
     Bounds bounds() const;
     bool target_may_be_zero() const;
-    /** Whether there was a start of the robot that the client need not have noticed. */
-    bool start_is_hidden() const {
-        return required_boot_ + 1 < robots_.size();
-    }
     bool zeros_welcome(Moment now) const;
 
     roburoc4_config config_;
@@ -271,6 +271,7 @@ class Oracle {
     std::uint64_t unproven_since_us_ = 0, clock_error_us_ = 0;
     std::uint64_t stray_us_ = UINT64_MAX; /* how late the promptest was since one from before */
     std::uint64_t restart_us_ = 0, changed_us_ = 0;
+    std::uint64_t others_us_ = 0; /* when the client last reported another commander */
     Speeds reported_target_, reported_current_;
     std::uint32_t boot_ = 0, required_boot_ = 0;
     std::deque<RobotTruth> robots_; /* by start; those before required_boot_ are forgotten */

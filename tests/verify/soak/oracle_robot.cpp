@@ -204,7 +204,7 @@ void Oracle::watch_target(Moment now, const Datagram &datagram) {
         since = std::min(since, std::max(confirmed_us_, stop - std::min(stop, watchdog)));
     }
     const bool must = ours(target, since) && !interfered && datagram.origin.boot <= judged_boot_ &&
-                      now.true_us - disturbed_us_ > well_after_us;
+                      now.true_us - std::max(disturbed_us_, others_us_) > well_after_us;
     const std::uint64_t age = /* by the client's own bound, too: others judge that */
         std::max<std::uint64_t>(report_.age_us[differential],
                                 now.true_us - datagram.origin.made_us);
@@ -426,6 +426,8 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
     way_m_ += static_cast<double>(std::fabs(truth.moving.v)) *
               static_cast<double>(now.true_us - way_us_) * 1e-6;
     way_us_ = now.true_us;
+    if (report.other_commander) /* a speed of ours that came so late counts as another's */
+        others_us_ = now.true_us;
     if (report.armed && !armed_)
         violate(disarm_promise_, now.true_us, "the client reports that it is armed");
     if (!report.armed && armed_) {
@@ -486,8 +488,9 @@ void Oracle::judge_disarming(Moment now, const Report &report) {
     case ROBUROC4_ERR_STALE_DIFFERENTIAL:
     case ROBUROC4_ERR_STALE_IOCARD:
         if (!robots_.back().prompt ||
-            (jumped_us_ != 0 && now.true_us - well_since_us_ < forgiven_after_us))
-            return; /* only a good network shows a jump, however long ago */
+            (jumped_us_ != 0 && now.true_us - well_since_us_ < forgiven_after_us) ||
+            (changed_us_ != 0 && now.true_us - changed_us_ < forgiven_after_us))
+            return; /* only a good network shows a jump of either clock, however long ago */
         break;
     case ROBUROC4_ERR_INHIBITED:
         if (now.true_us - std::max(v_swing_.against_us, w_swing_.against_us) < 2000000)
