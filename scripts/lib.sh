@@ -281,8 +281,8 @@ logged() {
     set -e
 }
 
-# begin_beside SCRIPT [ARGUMENT...]: run it beside the stages that follow; its lines appear among theirs. It runs in
-# real time, so they compute mostly what it leaves: $aside.
+# begin_beside SCRIPT [ARGUMENT...]: run it beside the stages that follow; its lines appear among theirs.
+# It may run in real time, so they compute mostly what it leaves: $aside.
 # end_beside: wait for it, and fail if it failed.
 aside=
 begin_beside() {

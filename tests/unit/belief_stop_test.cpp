@@ -140,20 +140,20 @@ TEST(LateInputs, ConfirmNoStopFromBeforeItWasShown) {
     EXPECT_NE(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
 }
 
-TEST(StopBeliefOfAMonitor, IsNotConfirmedWhereTheOverrideCannotBeKnown) {
+TEST_F(StopBelief, IsNotConfirmedWhereTheOverrideCannotBeKnown) {
     for (const bool allowed : {false, true}) {
         SCOPED_TRACE(allowed);
-        ScriptedRobot robot;
-        robot.channel_text = [](std::uint32_t, std::uint32_t) { return "spare"; };
+        ScriptedRobot plain;
+        plain.channel_text = [](std::uint32_t, std::uint32_t) { return "spare"; };
         roburoc4_config config = default_config();
         config.options |= allowed ? ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE : 0;
-        Bench bench(robot, config);
-        bench.ready();
-        ASSERT_TRUE(bench.run_until([&] { return bench.facts().descriptions_done == 1; }));
-        ASSERT_EQ(ROBUROC4_OK, bench.stop());
-        bench.run(2 * second);
+        Bench monitor(plain, config);
+        monitor.ready();
+        ASSERT_TRUE(monitor.run_until([&] { return monitor.facts().descriptions_done == 1; }));
+        ASSERT_EQ(ROBUROC4_OK, monitor.stop());
+        monitor.run(2 * second);
         EXPECT_EQ(allowed ? ROBUROC4_STOP_CONFIRMED : ROBUROC4_STOP_TIMED_OUT,
-                  bench.facts().stop_outcome);
+                  monitor.facts().stop_outcome);
     }
 }
 

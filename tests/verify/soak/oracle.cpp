@@ -45,8 +45,8 @@ std::uint64_t Oracle::tolerance_us(Moment now) const {
     std::uint64_t unproven = 0;
     if (robot_.own_queues && unproven_us_ != UINT64_MAX)
         unproven = unproven_us_ + (now.true_us - unproven_since_us_) / 1000 + own_queue_us;
-    return 2 * cycle_us + clock_error_us_ + unproven +
-           (stray_us_ == UINT64_MAX ? 0 : stray_us_); /* the status's stamp, and another's */
+    const std::uint64_t stray = stray_us_ == UINT64_MAX ? 0 : stray_us_;
+    return 2 * cycle_us + clock_error_us_ + unproven + stray; /* two cycles: two stamps */
 }
 
 /* ------------------------------------------------------------------ leases, arming, stopping */
@@ -211,6 +211,12 @@ int Oracle::judged_index() const {
     return unknown_allowed() && report_.override_index < 0 ? -1 : rule_.index();
 }
 
+/** Where all answers have one id, a late text may have counted as another's: what matters is that
+ * [A] is right. */
+bool Oracle::override_is_right() const {
+    return robot_.literal_ids && report_.override_index == robot_.pad_a;
+}
+
 void Oracle::armed(Moment now, std::int32_t result) {
     observe(now);
     if (result < 0)
@@ -222,9 +228,7 @@ void Oracle::armed(Moment now, std::int32_t result) {
         violate(report_.override_index == rule_.index() ? Promise::override_disarms
                                                         : Promise::override_by_texts,
                 now.true_us, "armed while the newest status shows [A]");
-    /* where all answers have one id, a late text may have counted as another's */
-    const bool right = robot_.literal_ids && report_.override_index == robot_.pad_a;
-    if (rule_.index() < 0 && !right && !unknown_allowed())
+    if (rule_.index() < 0 && !override_is_right() && !unknown_allowed())
         violate(Promise::override_by_texts, now.true_us,
                 "armed although the robot's texts do not tell which input is [A]");
     if (!limits_.valid())

@@ -200,6 +200,7 @@ class Oracle {
     void count_zero(Moment now);
     bool unknown_allowed() const;
     int judged_index() const;
+    bool override_is_right() const;
     bool stop_may_end(Moment now) const;
     void end_stop(Moment now, Promise otherwise);
     void request_sent(Moment now, const Datagram &datagram);

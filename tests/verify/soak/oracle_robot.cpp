@@ -627,10 +627,7 @@ void Oracle::judge_pose(Moment now, const Report &report) {
 void Oracle::judge_override_report(Moment now, const Report &report) {
     /* while statuses are old, nothing is done that a restart could make wrong */
     if (!report.override_known || report.state != ROBUROC4_STATE_READY ||
-        report.age_us[iocard] >= milliseconds(config_.fresh_ms))
-        return;
-    /* where all answers have one id, a late text may have counted as another's, but [A] is right */
-    if (robot_.literal_ids && report.override_index == robot_.pad_a)
+        report.age_us[iocard] >= milliseconds(config_.fresh_ms) || override_is_right())
         return;
     const int index = rule_.index();
     if (index < 0 && boot_ == 0) /* after a restart, it is not certain which texts count */

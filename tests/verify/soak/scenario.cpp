@@ -479,9 +479,9 @@ class Scenario {
         }
         if (violated() || !friendly())
             return;
-        if (result < 0 && world_.oracle().start_is_hidden())
-            return; /* it may go by the texts of the robot before */
         if (result < 0) {
+            if (world_.oracle().start_is_hidden())
+                return; /* it may go by the texts of the robot before */
             const Promise broken = promise_behind(result);
             world_.oracle().violate(broken, world_.now_us(),
                                     "arm() is still refused although all is well: " +
