@@ -188,13 +188,15 @@ run_ctest() {
     echo "$ctest_again tests began again because this machine stalled"
 }
 
-# run_pytest PYTHON ARGUMENT...; a thread watches the time limit, as tests use signals themselves.
+# run_pytest PYTHON ARGUMENT...; a thread watches the time limit, as tests use signals themselves. Only
+# where bindings/python/tests/strain.py measured a stall of the machine, a test is run again, and listed.
 # With $CI, pytest's summary has each failure's whole message.
 run_pytest() {
     pytest_python=$1
     shift
     heeding env CI=true "$pytest_python" -m pytest -q -p no:cacheprovider -o faulthandler_timeout=120 \
-        --timeout "$longest_test_s" --timeout-method thread "$@"
+        --timeout "$longest_test_s" --timeout-method thread --reruns 2 --reruns-delay 2 \
+        --only-rerun MachineTooBusyError "$@"
 }
 
 # pinned_venv DIR REQUIREMENTS: a virtual environment with these, recreated if they changed.
@@ -355,6 +357,8 @@ stage_failure() {
 
 stage_summary() {
     ctest_line "$1" | grep . || tail -n 1 "$1" | cut -c 1-120
+    stage_again=$(grep -c '^RERUN ' "$1") || return 0
+    echo "$stage_again tests of pytest began again because this machine stalled"
 }
 
 ctest_line() {

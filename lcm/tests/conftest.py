@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from rig import Bridge, Bus, Planner, Programs, Robot
 
-pytest_plugins = ["processes.plugin"]
+pytest_plugins = ["processes.plugin", "strain"]
 
 
 @pytest.fixture

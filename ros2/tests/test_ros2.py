@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`roburoc4 ros2`, seen by another participant of the same domain."""
 
-import os
 import re
 import signal
 import socket
@@ -44,10 +43,18 @@ DISCOVERY_HASH = "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd2
 DISCOVERY_TYPES = ("d5a2a4d65f7a49b37ab3e7628202", "2e82f50c0ec361f7a2abe38ff5cf")
 
 
-@pytest.fixture
-def domain() -> int:
-    """A domain of this process: tests that run beside it must not hear each other."""
-    return 1 + os.getpid() % 229
+@pytest.fixture(scope="session")
+def domain() -> Iterator[int]:
+    """A domain of this process, kept by a socket: tests that run beside it must not hear it."""
+    for domain in range(1, 101):
+        with socket.socket() as kept:
+            try:
+                kept.bind(("127.0.0.1", 7400 + 250 * domain))
+            except OSError:  # another one's
+                continue
+            yield domain
+            return
+    pytest.fail("all domains are in use")
 
 
 @pytest.fixture

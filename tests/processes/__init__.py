@@ -5,16 +5,13 @@ from .driving import drives, first_zero_us
 from .process import Program
 from .programs import Programs
 from .robot import Robot
-from .strain import MachineTooBusyError, Strain
 from .tap import Tap
 from .waiting import holds, until
 
 __all__ = [
-    "MachineTooBusyError",
     "Program",
     "Programs",
     "Robot",
-    "Strain",
     "Tap",
     "drives",
     "first_zero_us",

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """For pytest: robots and programs for each test, and an end for all of them after it."""
 
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -10,31 +10,6 @@ import pytest
 from .process import Program
 from .programs import Programs
 from .robot import Robot
-from .strain import MachineTooBusyError, Strain
-
-strain = Strain()
-
-
-def explained() -> Generator[None, object, object]:
-    """A step of a test, whose failure on a machine that was too busy is reported as that."""
-    try:
-        return (yield)
-    except Exception as error:
-        why = strain.found()
-        if why:
-            raise MachineTooBusyError(why) from error
-        raise
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_setup(item: pytest.Item) -> Generator[None, object, object]:
-    strain.begin()
-    return (yield from explained())
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_call(item: pytest.Item) -> Generator[None, object, object]:
-    return (yield from explained())
 
 
 @pytest.fixture(scope="session")

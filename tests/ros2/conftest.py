@@ -14,7 +14,7 @@ import pytest
 from processes import Program, Robot
 from ros import Listener, Node, Publisher, command, dds_program
 
-pytest_plugins = ["processes.plugin"]
+pytest_plugins = ["processes.plugin", "strain"]
 
 
 @pytest.fixture

@@ -32,6 +32,7 @@ class Pump : public testing::Test {
         roburoc4_config_init(&config_, sizeof config_);
     }
     ~Pump() override {
+        sys.starves = false;
         roburoc4_pump_destroy(pump_);
         EXPECT_EQ(sys.locks + sys.signals + sys.wakes + sys.threads + sys.sockets, 0);
         EXPECT_FALSE(sys.waited_with_lock);
@@ -96,6 +97,16 @@ TEST_F(Pump, AMachineThatHangsSendsNoSpeedAfterwards) {
     sleep_ms(500);
     EXPECT_EQ(robot_->speeds(), speeds);
     EXPECT_EQ(robot_->first_zero_us(), awake_us + sys.delay_us);
+}
+
+TEST_F(Pump, WhoseThreadStarvesReceivesInThoseOfTheProgram) {
+    create_driving();
+    sys.starves = true;
+    for (int i = 0; i < 200; i++) {
+        ASSERT_EQ(on_client(pump_, roburoc4_client_drive, 0.5f, 0.2f, 1000000u), ROBUROC4_OK) << i;
+        sleep_ms(10);
+    }
+    EXPECT_EQ(robot_->zeros_at_the_end(), 0u);
 }
 
 TEST_F(Pump, DrivesAMoveToItsEnd) {

@@ -101,8 +101,12 @@ size_t draw() {
     return static_cast<size_t>(drawn >> 40);
 }
 
+bool is_left_out(const Task *task) {
+    return task->process != process || (sys.starves && task->is_system);
+}
+
 bool may_run(const Task *task) {
-    return task->process == process && (task->until_us <= sys.now_us || task->ready());
+    return !is_left_out(task) && (task->until_us <= sys.now_us || task->ready());
 }
 
 /* The next that may run, in turn; time passes until there is one. */
@@ -121,7 +125,7 @@ Task *choose() {
         }
         uint64_t next_us = events.empty() ? UINT64_MAX : events.begin()->first;
         for (const Task *task : tasks) {
-            if (task->process == process) {
+            if (!is_left_out(task)) {
                 next_us = std::min(next_us, task->until_us);
             }
         }

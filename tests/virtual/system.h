@@ -59,6 +59,7 @@ struct System {
     int allocations = INT_MAX; /* that succeed from now on */
     int locks = 0, signals = 0, wakes = 0, threads = 0, sockets = 0, files_open = 0; /* existing */
     int parents_locks_taken = 0; /* by a forked child */
+    bool starves = false; /* no thread that the code under test started runs; those of tests do */
     uint64_t seed = 0; /* other than 0: threads change at more places and in any order, as drawn */
 
     /* the disk */

@@ -1,4 +1,4 @@
 # SPDX-License-Identifier: MIT
 """What all tests of this folder share."""
 
-pytest_plugins = ["robot_support"]  # bindings/python/tests
+pytest_plugins = ["robot_support", "strain"]  # bindings/python/tests

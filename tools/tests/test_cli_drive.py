@@ -152,7 +152,7 @@ def test_a_person_sees_the_progress(sim: roburoc4.Simulator) -> None:
 
 def test_ctrl_z_does_not_suspend_a_drive(sim: roburoc4.Simulator) -> None:
     terminal = Terminal("drive", "0.3", "0", "--seconds", "2", "--yes", robot=sim.address)
-    until(lambda: sim.state.target_linear_m_s > 0.1)
+    terminal.wait_for(r"\+0\.\d+ m/s .*of 0\.6 m")
     terminal.type("\x1a")
     assert terminal.wait() == 0, terminal.text
 

@@ -1,4 +1,4 @@
 # SPDX-License-Identifier: MIT
 """What all tests of this folder share."""
 
-pytest_plugins = ["pytester", "robot_support"]
+pytest_plugins = ["pytester", "robot_support", "strain"]
