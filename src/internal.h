@@ -519,6 +519,9 @@ roburoc4_result roburoc4_conditions_refusal(const roburoc4_client *c, uint64_t n
 void roburoc4_schedule_failed(roburoc4_client *c, const slot *s, roburoc4_result why);
 /** Remember that the robot moved after a pose was given. */
 void roburoc4_schedule_watch_pose(roburoc4_client *c);
+/** Before a datagram is looked at: notices a time without statuses, in which the robot may have
+ * moved. */
+void roburoc4_schedule_pose_waits(roburoc4_client *c);
 /** The robot accepted the pose: does it still hold? */
 void roburoc4_schedule_pose_taken(roburoc4_client *c, const slot *s);
 /** Encode the next request that is due: its length, or 0. */

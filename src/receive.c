@@ -577,6 +577,9 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
         return ROBUROC4_ERR_STATE;
     }
     see_time(c, now_us);
+    if (c->private_outputs.relocalizing) {
+        roburoc4_schedule_pose_waits(c);
+    }
     count_up(c, ROBUROC4_COUNT_RECEIVED);
     c->private_discovery.described_kind = 0;
     if (size >= STATUS_HEAD && datagram[0] == ROBUROC4_HEADER_STATUS) {

@@ -282,15 +282,21 @@ void roburoc4_schedule_watch_pose(client *c) {
     }
 }
 
+static void expect_speeds_within(client *c, uint32_t limit_ms) {
+    if (!roburoc4_link_fresh(&c->private_link, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
+                             limit_ms * MS, c->private_now_us, &c->private_timer)) {
+        c->private_outputs.unwatched = 1;
+    }
+}
+
+void roburoc4_schedule_pose_waits(client *c) {
+    expect_speeds_within(c, c->private_config.fresh_ms);
+}
+
 /** Whether statuses show that the robot has been at rest since the call. */
 static bool has_rested(client *c) {
-    roburoc4_private_outputs *o = &c->private_outputs;
-    if (!roburoc4_link_fresh(&c->private_link, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
-                             at_most(c->private_config.fresh_ms, POSE_FRESH_MS) * MS,
-                             c->private_now_us, &c->private_timer)) {
-        o->unwatched = 1;
-    }
-    return !o->moved && !o->unwatched;
+    expect_speeds_within(c, at_most(c->private_config.fresh_ms, POSE_FRESH_MS));
+    return !c->private_outputs.moved && !c->private_outputs.unwatched;
 }
 
 /** Whether a pose that is sent now is still that of the call. */

@@ -449,6 +449,21 @@ TEST(Relocalize, ThatWaitsWhenThisClockGoesBackIsSentOnlyAtRest) {
     }
 }
 
+/** Unseen, the robot may have moved and come to rest again. */
+TEST(Relocalize, ThatWaitsWhileNothingIsHeardIsNotSent) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    robot.requests.clear();
+    ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+    bench.now_us += 600 * ms; /* nobody polls */
+    EXPECT_EQ(0,
+              bench.receive(robot.status_at(ROBUROC4_SERVICE_DIFFERENTIAL, robot.cycles() + 60)));
+    bench.run(3 * second);
+    EXPECT_EQ(0U, robot.seen(ROBUROC4_ACTION_REPLACE).size());
+    EXPECT_EQ(ROBUROC4_ERR_TIMEOUT, bench.facts().relocalize_result);
+}
+
 TEST(Relocalize, IsAnsweredWithAnEvent) {
     ScriptedRobot robot;
     Bench bench(robot);
