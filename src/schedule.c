@@ -83,6 +83,12 @@ static void ask_declined_again(client *c) {
     }
 }
 
+/** In fixed-id mode answers to probes show that zeros arrived, and a text may have none. */
+static bool texts_wait(const client *c) {
+    return in_fixed_id_mode(&c->private_requests) &&
+           (c->private_drive.armed || c->private_drive.stopping);
+}
+
 /** A request to each service in turn. It measures the round trip, keeps properties current, notices
  * a changed directory, and repeats what was refused. Then a missing text is requested. */
 static bool open_probe(client *c) {
@@ -98,7 +104,7 @@ static bool open_probe(client *c) {
     }
     if (s->probe_kind == 0) {
         ask_declined_again(c);
-        if (in_fixed_id_mode(&c->private_requests) &&
+        if (in_fixed_id_mode(&c->private_requests) && !texts_wait(c) &&
             index_of_role(c, ROBUROC4_ROLE_OVERRIDE) < 0 &&
             roburoc4_discovery_inputs_passed(d, c->private_values.io_counts)) {
             roburoc4_discovery_forget_inputs(d);
@@ -172,10 +178,9 @@ static bool open_pose(client *c) {
  * always due: then they take turns. */
 static bool open_probe_or_text(client *c) {
     roburoc4_private_schedule *s = &c->private_schedule;
-    const bool fixed_id = in_fixed_id_mode(&c->private_requests);
-    const bool text_first = s->text_first && fixed_id;
-    if (fixed_id && (c->private_drive.armed || c->private_drive.stopping)) {
-        return open_probe(c); /* its answer shows that zeros arrived, and a text may have none */
+    const bool text_first = s->text_first && in_fixed_id_mode(&c->private_requests);
+    if (texts_wait(c)) {
+        return open_probe(c);
     }
     s->text_first = 0;
     return (text_first && open_text(c, TEXTS_ALL)) || open_probe(c) || open_text(c, TEXTS_ALL);

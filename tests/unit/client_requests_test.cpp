@@ -949,6 +949,19 @@ TEST(FixedId, InputTextsAreReadAgainUntilTheyNameTheOverride) {
     }
 }
 
+TEST(FixedId, ARobotWithoutAnOverrideStaysArmed) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    robot.channel_text = [](std::uint32_t, std::uint32_t) { return "spare"; };
+    roburoc4_config config = default_config();
+    config.options |= ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    Bench bench(robot, config);
+    bench.ready();
+    ASSERT_TRUE(bench.run_until([&] { return bench.arm() >= 0; }, 60 * second));
+    bench.run(60 * second);
+    EXPECT_EQ(1, bench.facts().armed) << roburoc4_result_text(bench.facts().disarm_cause);
+}
+
 TEST(FixedId, ATextThatContradictsTheTableNamesNoOverride) {
     for (const std::uint32_t index : {0U, 7U, 9U, 21U}) {
         ScriptedRobot robot;
