@@ -83,10 +83,12 @@ static void ask_declined_again(client *c) {
     }
 }
 
-/** In fixed-id mode answers to probes show that zeros arrived, and a text may have none. */
+/** In fixed-id mode answers to probes show that zeros arrived, and a text may have none. Without a
+ * known override no stop is confirmed, so that texts come first. */
 static bool texts_wait(const client *c) {
     return in_fixed_id_mode(&c->private_requests) &&
-           (c->private_drive.armed || c->private_drive.stopping);
+           (c->private_drive.armed ||
+            (c->private_drive.stopping && c->private_conditions.override_known));
 }
 
 /** A request to each service in turn. It measures the round trip, keeps properties current, notices

@@ -962,6 +962,21 @@ TEST(FixedId, ARobotWithoutAnOverrideStaysArmed) {
     EXPECT_EQ(1, bench.facts().armed) << roburoc4_result_text(bench.facts().disarm_cause);
 }
 
+/** No stop can be confirmed before the override is known. */
+TEST(FixedId, TheOverrideIsFoundWhileTheClientStops) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    roburoc4_config config = default_config();
+    config.robot_watchdog_ms = 60000;
+    Bench bench(robot, config);
+    bench.start();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_stop(&bench.client, bench.now_us));
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    EXPECT_EQ(1, bench.facts().stopping);
+    EXPECT_TRUE(bench.run_until([&] { return bench.facts().stopping == 0; }, 30 * second));
+    EXPECT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
+}
+
 TEST(FixedId, ATextThatContradictsTheTableNamesNoOverride) {
     for (const std::uint32_t index : {0U, 7U, 9U, 21U}) {
         ScriptedRobot robot;
