@@ -188,8 +188,8 @@ run_ctest() {
     echo "$ctest_again tests began again because this machine stalled"
 }
 
-# run_pytest PYTHON ARGUMENT...; a thread watches the time limit, as tests use signals themselves. Only
-# where bindings/python/tests/strain.py measured a stall of the machine, a test is run again, and listed.
+# run_pytest PYTHON ARGUMENT...; a thread watches the time limit, as tests use signals themselves.
+# A test that failed is run again, and listed, only where bindings/python/tests/strain.py measured a stall.
 # With $CI, pytest's summary has each failure's whole message.
 run_pytest() {
     pytest_python=$1

@@ -87,11 +87,12 @@ static roburoc4_result receive(roburoc4_pump *pump) {
     return ROBUROC4_OK;
 }
 
-roburoc4_result roburoc4_pump_flush(roburoc4_pump *pump) {
+/* As roburoc4_pump_flush(); the result is that of receiving. */
+static roburoc4_result serve(roburoc4_pump *pump) {
     roburoc4_result received = ROBUROC4_OK;
     if (!pump->threadless) { /* a pump without a thread gets its time from the caller */
         heed_requests(pump);
-        /* A robot is not silent whose datagrams wait because the thread did not run. */
+        /* A robot whose datagrams wait is not silent: the thread may not have run. */
         received = receive(pump);
     }
     (void)roburoc4_udp_transmit_all(&pump->udp, &pump->client);
@@ -100,6 +101,10 @@ roburoc4_result roburoc4_pump_flush(roburoc4_pump *pump) {
         roburoc4_wake_raise(&pump->wake);
     }
     return received;
+}
+
+void roburoc4_pump_flush(roburoc4_pump *pump) {
+    (void)serve(pump);
 }
 
 static int is_over(const roburoc4_pump *pump) {
@@ -138,7 +143,7 @@ static void run(void *argument) {
     roburoc4_pump *pump = argument;
     roburoc4_lock_take(&pump->lock);
     while (!is_over(pump)) {
-        roburoc4_result received = roburoc4_pump_flush(pump);
+        roburoc4_result received = serve(pump);
         if (!is_over(pump)) {
             sleep_until_due(pump, received);
         }
@@ -160,7 +165,7 @@ const roburoc4_udp *roburoc4_pump_udp(roburoc4_pump *pump) {
 
 void roburoc4_pump_unlock(roburoc4_pump *pump) {
     if (pump->phase != ROBUROC4_PUMP_JOINED) {
-        (void)roburoc4_pump_flush(pump);
+        roburoc4_pump_flush(pump);
     }
     roburoc4_pump_leave(pump);
 }
@@ -178,7 +183,7 @@ roburoc4_result roburoc4_pump_record(roburoc4_pump *pump, roburoc4_recorder *rec
 static roburoc4_result try_to_arm(roburoc4_pump *pump, uint32_t stops) {
     roburoc4_result result;
     if (pump->phase == ROBUROC4_PUMP_RUNNING) {
-        (void)roburoc4_pump_flush(pump);
+        roburoc4_pump_flush(pump);
     }
     if (pump->phase != ROBUROC4_PUMP_RUNNING) {
         return ROBUROC4_ERR_CLOSED;
@@ -187,7 +192,7 @@ static roburoc4_result try_to_arm(roburoc4_pump *pump, uint32_t stops) {
         return ROBUROC4_ERR_STOPPED;
     }
     result = roburoc4_client_arm(&pump->client, roburoc4_udp_now_us());
-    (void)roburoc4_pump_flush(pump);
+    roburoc4_pump_flush(pump);
     return result;
 }
 
@@ -210,14 +215,14 @@ roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump, uint32_t timeout_us) {
 /* A stop that a handler requested comes first; what the step granted leaves at once. */
 static int32_t step(roburoc4_pump *pump, roburoc4_move *move) {
     uint64_t now_us;
-    (void)roburoc4_pump_flush(pump);
+    roburoc4_pump_flush(pump);
     now_us = roburoc4_udp_now_us();
     if (roburoc4_move_step(move, &pump->client, now_us) == ROBUROC4_MOVE_RUNNING) {
         const roburoc4_result granted =
             roburoc4_client_drive(&pump->client, move->linear_m_s, move->angular_rad_s, 0, now_us);
         (void)granted; /* where it is refused, the next step ends the move and says why */
     }
-    (void)roburoc4_pump_flush(pump);
+    roburoc4_pump_flush(pump);
     return move->outcome;
 }
 
@@ -425,7 +430,7 @@ roburoc4_result roburoc4_pump_close(roburoc4_pump *pump) {
     }
     if (pump->phase == ROBUROC4_PUMP_RUNNING) {
         begin_to_close(pump);
-        (void)roburoc4_pump_flush(pump);
+        roburoc4_pump_flush(pump);
     }
     while (pump->phase == ROBUROC4_PUMP_STOPPING) {
         roburoc4_pump_wait(pump, UINT64_MAX);

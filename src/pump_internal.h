@@ -61,8 +61,7 @@ void roburoc4_pump_leave(roburoc4_pump *pump);
 void roburoc4_pump_wait(roburoc4_pump *pump, uint64_t until_us);
 
 /** Carries out requests, receives, sends what the client has to send, stores its events, and
- * shortens the thread's sleep if the client must be called earlier. The result is the socket's.
- * Between enter and leave. */
-roburoc4_result roburoc4_pump_flush(roburoc4_pump *pump);
+ * shortens the thread's sleep if the client must be called earlier. Between enter and leave. */
+void roburoc4_pump_flush(roburoc4_pump *pump);
 
 #endif
