@@ -93,7 +93,11 @@ def doctor(
 
 
 class Terminal:
-    """A command in a terminal of its own."""
+    """A command in a terminal of its own.
+
+    That is a session of its own, whose processes Linux (autogroup) may not run for a second or
+    more on a busy machine: whether a drive ends well is tested without one.
+    """
 
     def __init__(self, *arguments: str, robot: str | None = None) -> None:
         self.text = ""
