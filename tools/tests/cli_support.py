@@ -101,6 +101,7 @@ class Terminal:
 
     def __init__(self, *arguments: str, robot: str | None = None) -> None:
         self.text = ""
+        self._typed_s = 0.0
         pid, self._fd = pty.fork()
         if pid == 0:
             env = environment(robot) | {"TERM": "xterm-256color"}
@@ -122,10 +123,17 @@ class Terminal:
         self.text += _STYLES.sub("", data.decode(errors="replace"))
         return bool(data)
 
-    def wait_for(self, pattern: str, within_s: float = LONG_S) -> None:
-        """Wait until this is shown."""
+    def type_again(self, keys: str) -> None:
+        """Press keys once a second: a program that stalled drops those that waited."""
+        if keys and time.monotonic() - self._typed_s >= 1.0:
+            self._typed_s = time.monotonic()
+            self.type(keys)
+
+    def wait_for(self, pattern: str, within_s: float = LONG_S, keys: str = "") -> None:
+        """Wait until this is shown, and press keys meanwhile."""
         until_s = time.monotonic() + within_s
         while not re.search(pattern, self.text):
+            self.type_again(keys)
             assert time.monotonic() < until_s, f"no {pattern!r} in {self.text[-2000:]!r}"
             assert self.read(0.05), f"ended without {pattern!r}: {self.text[-2000:]!r}"
 
@@ -133,10 +141,11 @@ class Terminal:
         """Send a signal to the command."""
         os.kill(self._pid, number)
 
-    def wait(self) -> int:
-        """Wait for its end; return its exit code."""
+    def wait(self, keys: str = "") -> int:
+        """Wait for its end, and press keys meanwhile; return its exit code."""
         until_s = time.monotonic() + LONG_S
         while self.read(0.05):
+            self.type_again(keys)
             assert time.monotonic() < until_s, self.text[-2000:]
         os.close(self._fd)
         return os.waitstatus_to_exitcode(os.waitpid(self._pid, 0)[1])

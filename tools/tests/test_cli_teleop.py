@@ -49,7 +49,27 @@ def _hold(terminal: Terminal, key: str, seconds: float) -> bool:
 
 
 def _hold_until(terminal: Terminal, key: str, condition: Callable[[], object]) -> None:
-    until(lambda: _press(terminal, key) or condition())
+    """Hold a key; enter, where a stall of this machine asked for it."""
+
+    def pressed() -> object:
+        terminal.type_again("\n")
+        _press(terminal, key)
+        return condition()
+
+    until(pressed)
+
+
+def _press_anew_until(terminal: Terminal, condition: Callable[[], object], first: str = "") -> None:
+    """Let go and hold a key, again where this machine stalled; `first` is pressed before."""
+
+    def pressed() -> object:
+        terminal.type(first)
+        time.sleep(1.0)
+        terminal.read(0)
+        _hold(terminal, "w", 1.0)
+        return condition()
+
+    until(pressed)
 
 
 def _drives_at(sim: roburoc4.Simulator, linear_m_s: float) -> bool:
@@ -64,8 +84,7 @@ def test_a_repeating_key_drives_and_letting_go_stops(sim: roburoc4.Simulator) ->
     terminal = _teleop(sim, NO_RELEASES)
     _hold_until(terminal, "w", lambda: _drives_at(sim, 0.3))
     until(lambda: last_command_is_zero(sim))
-    terminal.type("x")
-    assert terminal.wait() == 0
+    assert terminal.wait(keys="x") == 0
     assert sim.true_pose.x_m > 0.01
 
 
@@ -82,18 +101,15 @@ def test_with_releases_one_press_lasts_until_the_release(sim: roburoc4.Simulator
     assert "until let go" in terminal.text
     terminal.type(release)
     _hold_until(terminal, ECHO, lambda: last_command_is_zero(sim))
-    terminal.type("\x1b[120;1:1u")
-    assert terminal.wait() == 0
+    assert terminal.wait(keys="\x1b[120;1:1u") == 0
 
 
 def test_the_scale_of_speed_is_a_key_away(sim: roburoc4.Simulator) -> None:
     terminal = _teleop(sim, NO_RELEASES)
-    terminal.type("---")
+    terminal.wait_for(r"0\.1 m/s  0\.1 rad/s", keys="---")
     _hold_until(terminal, "s", lambda: _drives_at(sim, -0.1))
-    terminal.type("+++++++")
-    terminal.wait_for(r"1\.0 m/s  1\.0 rad/s")
-    terminal.type("x")
-    assert terminal.wait() == 0
+    terminal.wait_for(r"1\.0 m/s  1\.0 rad/s", keys="+++++++")
+    assert terminal.wait(keys="x") == 0
 
 
 def test_override_is_shown_and_ends_with_a_new_press(sim: roburoc4.Simulator) -> None:
@@ -106,22 +122,13 @@ def test_override_is_shown_and_ends_with_a_new_press(sim: roburoc4.Simulator) ->
     held = _hold(terminal, "w", 0.5)
     if held and held_before:
         assert sim.state.nonzero_speed_commands == 0, "the key is still that of before"
-
-    def moves_with_a_new_press() -> bool:
-        time.sleep(1.0)
-        terminal.read(0)
-        _hold(terminal, "w", 1.0)
-        return _moves(sim)
-
-    until(moves_with_a_new_press)
-    terminal.type("x")
-    assert terminal.wait() == 0
+    _press_anew_until(terminal, lambda: _moves(sim))
+    assert terminal.wait(keys="x") == 0
 
 
 def test_keys_that_waited_behind_a_frozen_terminal_do_not_drive(sim: roburoc4.Simulator) -> None:
     terminal = _teleop(sim, NO_RELEASES)
-    terminal.type("+++")
-    terminal.wait_for(r"1\.0 m/s  1\.0 rad/s")
+    terminal.wait_for(r"1\.0 m/s  1\.0 rad/s", keys="+++")
     terminal.type("\x13")  # Ctrl-S: what it shows waits, and so does the program
     time.sleep(0.5)
     terminal.type("w")
@@ -130,9 +137,8 @@ def test_keys_that_waited_behind_a_frozen_terminal_do_not_drive(sim: roburoc4.Si
     for _ in range(20):
         terminal.read(0.05)
     assert sim.state.nonzero_speed_commands == 0
-    _hold_until(terminal, "w", lambda: _moves(sim))
-    terminal.type("x")
-    assert terminal.wait() == 0
+    _press_anew_until(terminal, lambda: _moves(sim), "\n")
+    assert terminal.wait(keys="x") == 0
 
 
 def test_space_stops(sim: roburoc4.Simulator) -> None:
@@ -146,17 +152,8 @@ def test_space_stops(sim: roburoc4.Simulator) -> None:
     before = sim.state.nonzero_speed_commands
     _hold(terminal, "w", 1.0)
     assert sim.state.nonzero_speed_commands == before
-
-    def moves_with_a_new_press() -> bool:
-        terminal.type("\n")  # which counts as little as other keys while this machine stalls
-        time.sleep(1.0)
-        terminal.read(0)
-        _hold(terminal, "w", 1.0)
-        return sim.state.nonzero_speed_commands > before
-
-    until(moves_with_a_new_press)
-    terminal.type("x")
-    assert terminal.wait() == 0
+    _press_anew_until(terminal, lambda: sim.state.nonzero_speed_commands > before, "\n")
+    assert terminal.wait(keys="x") == 0
 
 
 def test_a_lost_robot_is_reported_in_words_for_drivers(sim: roburoc4.Simulator) -> None:
@@ -164,8 +161,7 @@ def test_a_lost_robot_is_reported_in_words_for_drivers(sim: roburoc4.Simulator) 
     sim.set("power", False)
     terminal.wait_for("not armed|not ready|not connected")
     terminal.wait_for("lost")
-    terminal.type("x")
-    assert terminal.wait() == 1
+    assert terminal.wait(keys="x") == 1
     assert "power and cable" in terminal.text
     assert "arm()" not in terminal.text
     assert ".link" not in terminal.text
