@@ -144,7 +144,8 @@ typedef struct roburoc4_move {
     uint8_t private_still, private_bumpers, private_posed, private_begun;
     uint8_t private_driven, private_turned, private_rested, private_padding[4];
     int8_t private_side;
-    uint32_t private_spare[6];
+    float private_patience_s; /* left to wait until the robot does not swing any more */
+    uint32_t private_spare[5];
 } roburoc4_move;
 
 /* Begin a move in any memory. Nothing is sent: the first step plans the move.

@@ -59,6 +59,13 @@ enum { COMMANDED, COVERED, SPEED, SIGNALS };
 #define DOUBT_MOST 0.01F
 /* By `reached`: where the robot may be if it turned back twice. */
 #define TWICE_BACK 1.9F
+/* A robot that responds slowly swings: at the end of a swing it is slow, too. So a robot of more
+ * than `swings` is at its goal only if its two smoothed positions agree within `settled`; but a
+ * move does not wait for that after so many times its profile, and some seconds. */
+#define SWINGS_S2 0.2F
+#define SETTLED 0.007F
+#define PATIENCE 1.5F
+#define PATIENCE_S 1.8F
 
 static const float unit[BOTH] = {1, 1.75F};
 
@@ -86,6 +93,11 @@ void roburoc4_move_axis_begin(roburoc4_move *m) {
     m->private_fit.gain = 1;
     m->private_fit.spread[LAG][BEND] = m->private_fit.spread[BEND][LAG] =
         LAG_AND_BEND * LAG_SPREAD * BEND_SPREAD;
+    const uint32_t axis = roburoc4_move_axis(m);
+    const float limit = m->private_limit[axis];
+    m->private_patience_s =
+        PATIENCE * (magnitude(m->private_goal[axis]) / limit + limit / m->private_slope[axis]) +
+        PATIENCE_S;
     m->private_side = 0;
     m->private_turned = m->private_rested = 0;
 }
@@ -129,6 +141,7 @@ static void fit(roburoc4_move *m, float passed_s) {
 void roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, bool covered) {
     const uint32_t axis = roburoc4_move_axis(m);
     roburoc4_private_fit *f = &m->private_fit;
+    m->private_patience_s -= passed_s;
     f->since_s = covered ? 0 : f->since_s + passed_s;
     const float signals[SIGNALS] = {m->private_commanded[axis],
                                     m->private_covered[axis] + f->since_s * m->private_speed[axis],
@@ -174,6 +187,15 @@ static bool slow(const roburoc4_move *m) {
            !beyond(m->private_speed[ANGLE], SLOW_TURN_RAD_S);
 }
 
+/** It does not swing any more, or nobody waits for that. */
+static bool settled(const roburoc4_move *m) {
+    const roburoc4_private_fit *f = &m->private_fit;
+    const float *const covered = f->smooth[COVERED];
+    return order_of(f->numbers[BEND]) < order_of(SWINGS_S2) ||
+           order_of(m->private_patience_s) < 0 ||
+           !beyond(covered[0] - covered[1], SETTLED * unit[roburoc4_move_axis(m)]);
+}
+
 /** How near its goal a robot is there: not so near if it turned back twice. */
 static float near_goal(const roburoc4_move *m) {
     return (m->private_turned > 1 ? TWICE_BACK : 1) * unit[roburoc4_move_axis(m)];
@@ -196,10 +218,11 @@ float roburoc4_move_axis_speed(roburoc4_move *m) {
     const float time_s = APPROACH_S + APPROACH_S_PER_M * unsure / unit[axis];
     const float speed =
         slope * (roburoc4_move_root(time_s * time_s + 2 * distance / slope) - time_s);
-    /* It turns back once while the robot rolls, to brake; then only from rest. */
+    /* It turns back once while the robot rolls, to brake, and once more from rest. */
     const int8_t side = order_of(short_by) < 0 ? -1 : 1;
     if (side == -m->private_side) {
-        if ((m->private_turned && !stands) || !beyond(short_by, REACHED * near_goal(m))) {
+        if (m->private_turned > 1 || (m->private_turned && !stands) ||
+            !beyond(short_by, REACHED * near_goal(m))) {
             return 0;
         }
         m->private_turned++;
@@ -211,7 +234,7 @@ float roburoc4_move_axis_speed(roburoc4_move *m) {
 bool roburoc4_move_axis_arrived(const roburoc4_move *m) {
     const uint32_t axis = roburoc4_move_axis(m);
     const float bound = near_goal(m), goal = m->private_goal[axis];
-    return slow(m) && !beyond(goal - m->private_covered[axis], REACHED * bound) &&
+    return slow(m) && settled(m) && !beyond(goal - m->private_covered[axis], REACHED * bound) &&
            !beyond(goal - rest_at(m), REACHED * bound) &&
            !beyond(doubt(m, goal), DOUBT_MOST * unit[axis]);
 }
