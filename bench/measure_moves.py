@@ -35,7 +35,15 @@ def main():
     part = figures.Part("moves", "Moves", ABOUT, versions)
     for line in figures.run(given.build / "bin/moves").splitlines():
         name, figure, unit, value = line.split("\t")
-        part.add(f"{name}: {figure}", "roburoc4", unit, float(value), aim=aim_of(name, figure))
+        better = "higher" if unit == "%" and "fine" in figure else "lower"
+        part.add(
+            f"{name}: {figure}",
+            "roburoc4",
+            unit,
+            float(value),
+            aim=aim_of(name, figure),
+            better=better,
+        )
     part.write(given.out)
 
 

@@ -27,7 +27,7 @@ SHOWN = {
     "lcm": "status.*p50|processor, [^r]*robots? as.*",
     "ros2": ".*",
     "dashboard": ".*",
-    "moves": ".*(lost|family): moves that are fine|square.* by .*without.*",
+    "moves": ".*: moves that are fine|square.* by .*without.*",
     "recording": "24 h: (size|read)",
 }
 
