@@ -87,7 +87,9 @@ static roburoc4_result receive(roburoc4_pump *pump) {
     return ROBUROC4_OK;
 }
 
-/* As roburoc4_pump_flush(); the result is that of receiving. */
+/* Carries out requests, receives, sends what the client has to send, stores its events, and
+ * shortens the thread's sleep if the client must be called earlier. The result is that of
+ * receiving. */
 static roburoc4_result serve(roburoc4_pump *pump) {
     roburoc4_result received = ROBUROC4_OK;
     if (!pump->threadless) { /* a pump without a thread gets its time from the caller */
@@ -103,7 +105,7 @@ static roburoc4_result serve(roburoc4_pump *pump) {
     return received;
 }
 
-void roburoc4_pump_flush(roburoc4_pump *pump) {
+static void flush(roburoc4_pump *pump) {
     (void)serve(pump);
 }
 
@@ -165,7 +167,7 @@ const roburoc4_udp *roburoc4_pump_udp(roburoc4_pump *pump) {
 
 void roburoc4_pump_unlock(roburoc4_pump *pump) {
     if (pump->phase != ROBUROC4_PUMP_JOINED) {
-        roburoc4_pump_flush(pump);
+        flush(pump);
     }
     roburoc4_pump_leave(pump);
 }
@@ -183,7 +185,7 @@ roburoc4_result roburoc4_pump_record(roburoc4_pump *pump, roburoc4_recorder *rec
 static roburoc4_result try_to_arm(roburoc4_pump *pump, uint32_t stops) {
     roburoc4_result result;
     if (pump->phase == ROBUROC4_PUMP_RUNNING) {
-        roburoc4_pump_flush(pump);
+        flush(pump);
     }
     if (pump->phase != ROBUROC4_PUMP_RUNNING) {
         return ROBUROC4_ERR_CLOSED;
@@ -192,7 +194,7 @@ static roburoc4_result try_to_arm(roburoc4_pump *pump, uint32_t stops) {
         return ROBUROC4_ERR_STOPPED;
     }
     result = roburoc4_client_arm(&pump->client, roburoc4_udp_now_us());
-    roburoc4_pump_flush(pump);
+    flush(pump);
     return result;
 }
 
@@ -215,14 +217,14 @@ roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump, uint32_t timeout_us) {
 /* A stop that a handler requested comes first; what the step granted leaves at once. */
 static int32_t step(roburoc4_pump *pump, roburoc4_move *move) {
     uint64_t now_us;
-    roburoc4_pump_flush(pump);
+    flush(pump);
     now_us = roburoc4_udp_now_us();
     if (roburoc4_move_step(move, &pump->client, now_us) == ROBUROC4_MOVE_RUNNING) {
         const roburoc4_result granted =
             roburoc4_client_drive(&pump->client, move->linear_m_s, move->angular_rad_s, 0, now_us);
         (void)granted; /* where it is refused, the next step ends the move and says why */
     }
-    roburoc4_pump_flush(pump);
+    flush(pump);
     return move->outcome;
 }
 
@@ -430,7 +432,7 @@ roburoc4_result roburoc4_pump_close(roburoc4_pump *pump) {
     }
     if (pump->phase == ROBUROC4_PUMP_RUNNING) {
         begin_to_close(pump);
-        roburoc4_pump_flush(pump);
+        flush(pump);
     }
     while (pump->phase == ROBUROC4_PUMP_STOPPING) {
         roburoc4_pump_wait(pump, UINT64_MAX);

@@ -60,8 +60,4 @@ void roburoc4_pump_leave(roburoc4_pump *pump);
 /** Waits for `changed`, at most until until_us. Between enter and leave. */
 void roburoc4_pump_wait(roburoc4_pump *pump, uint64_t until_us);
 
-/** Carries out requests, receives, sends what the client has to send, stores its events, and
- * shortens the thread's sleep if the client must be called earlier. Between enter and leave. */
-void roburoc4_pump_flush(roburoc4_pump *pump);
-
 #endif
