@@ -286,7 +286,7 @@ static float set_profile(roburoc4_move *m, const roburoc4_move_view *v) {
         slope[LENGTH] = lesser(slope[LENGTH], slope[ANGLE] / bend);
     }
     for (uint32_t i = 0; i < BOTH; i++) {
-        seconds += is_zero(path[i]) ? 0 : magnitude(path[i]) / limit[i] + limit[i] / slope[i];
+        seconds += is_zero(path[i]) ? 0 : roburoc4_move_axis_seconds(m, i, path[i]);
     }
     return seconds;
 }

@@ -59,9 +59,10 @@ enum { COMMANDED, COVERED, SPEED, SIGNALS };
 #define DOUBT_MOST 0.01F
 /* By `reached`: where the robot may be if it turned back twice. */
 #define TWICE_BACK 1.9F
-/* A robot that responds slowly swings: at the end of a swing it is slow, too. So a robot of more
- * than `swings` is at its goal only if its two smoothed positions agree within `settled`; but a
- * move does not wait for that after so many times its profile, and some seconds. */
+/* These were found on bench/family.c itself. A robot that responds slowly swings, and is slow at
+ * the end of each swing, too. So one whose bend is larger than `swings` is at its goal only if its
+ * two smoothed positions agree within `settled`; but a move waits for that no longer than
+ * `patience` times its profile, and some seconds. */
 #define SWINGS_S2 0.2F
 #define SETTLED 0.007F
 #define PATIENCE 1.5F
@@ -81,6 +82,11 @@ float roburoc4_move_root(float square) {
     return y;
 }
 
+float roburoc4_move_axis_seconds(const roburoc4_move *m, uint32_t axis, float way) {
+    const float limit = m->private_limit[axis];
+    return magnitude(way) / limit + limit / m->private_slope[axis];
+}
+
 void roburoc4_move_axis_begin(roburoc4_move *m) {
     static const float mean[FITS] = {1, LAG_MEAN, BEND_MEAN, DELAY_MEAN, 0};
     static const float deviation[FITS] = {GAIN_SPREAD, LAG_SPREAD, BEND_SPREAD, DELAY_SPREAD,
@@ -94,10 +100,8 @@ void roburoc4_move_axis_begin(roburoc4_move *m) {
     m->private_fit.spread[LAG][BEND] = m->private_fit.spread[BEND][LAG] =
         LAG_AND_BEND * LAG_SPREAD * BEND_SPREAD;
     const uint32_t axis = roburoc4_move_axis(m);
-    const float limit = m->private_limit[axis];
     m->private_patience_s =
-        PATIENCE * (magnitude(m->private_goal[axis]) / limit + limit / m->private_slope[axis]) +
-        PATIENCE_S;
+        PATIENCE * roburoc4_move_axis_seconds(m, axis, m->private_goal[axis]) + PATIENCE_S;
     m->private_side = 0;
     m->private_turned = m->private_rested = 0;
 }

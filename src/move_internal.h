@@ -58,6 +58,8 @@ int32_t roburoc4_move_end(roburoc4_move *m, int32_t outcome);
 
 /** The axis that the present leg is about. */
 uint32_t roburoc4_move_axis(const roburoc4_move *m);
+/** How long the profile of a way takes. */
+float roburoc4_move_axis_seconds(const roburoc4_move *m, uint32_t axis, float way);
 /** The robot is at rest; nothing is known of its response. */
 void roburoc4_move_axis_begin(roburoc4_move *m);
 /** Time passed; then a status of speeds may have come, or one that says how far the robot is. */
