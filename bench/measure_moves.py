@@ -11,6 +11,7 @@ ABOUT = (
     "the nominal robot, the worst of 20, and squares on the simulator. *With slip*: the measured"
     " 12 % of each turn. *Really* is where the robot was, not what its odometry reported."
 )
+FINE = "moves that are fine"
 AIMS = {
     ("straight metre", "error"): 10,
     ("quarter turn", "error"): 1,
@@ -22,7 +23,7 @@ AIMS = {
 
 
 def aim_of(name, figure):
-    if figure == "moves that are fine":
+    if figure == FINE:
         return 100
     if name.startswith("square of 2 m, closes"):
         return 50
@@ -35,7 +36,7 @@ def main():
     part = figures.Part("moves", "Moves", ABOUT, versions)
     for line in figures.run(given.build / "bin/moves").splitlines():
         name, figure, unit, value = line.split("\t")
-        better = "higher" if unit == "%" and "fine" in figure else "lower"
+        better = "higher" if figure == FINE else "lower"
         part.add(
             f"{name}: {figure}",
             "roburoc4",
