@@ -123,7 +123,7 @@ class Terminal:
         self.text += _STYLES.sub("", data.decode(errors="replace"))
         return bool(data)
 
-    def type_again(self, keys: str) -> None:
+    def _type_again(self, keys: str) -> None:
         """Press keys once a second: a program that stalled drops those that waited."""
         if keys and time.monotonic() - self._typed_s >= 1.0:
             self._typed_s = time.monotonic()
@@ -133,7 +133,7 @@ class Terminal:
         """Wait until this is shown, and press keys meanwhile."""
         until_s = time.monotonic() + within_s
         while not re.search(pattern, self.text):
-            self.type_again(keys)
+            self._type_again(keys)
             assert time.monotonic() < until_s, f"no {pattern!r} in {self.text[-2000:]!r}"
             assert self.read(0.05), f"ended without {pattern!r}: {self.text[-2000:]!r}"
 
@@ -145,7 +145,7 @@ class Terminal:
         """Wait for its end, and press keys meanwhile; return its exit code."""
         until_s = time.monotonic() + LONG_S
         while self.read(0.05):
-            self.type_again(keys)
+            self._type_again(keys)
             assert time.monotonic() < until_s, self.text[-2000:]
         os.close(self._fd)
         return os.waitstatus_to_exitcode(os.waitpid(self._pid, 0)[1])

@@ -48,28 +48,23 @@ def _hold(terminal: Terminal, key: str, seconds: float) -> bool:
     return longest_s < REPEAT_S / 2
 
 
-def _hold_until(terminal: Terminal, key: str, condition: Callable[[], object]) -> None:
-    """Hold a key; enter, where a stall of this machine asked for it."""
+def _hold_until(
+    terminal: Terminal, key: str, condition: Callable[[], object], first: str = ""
+) -> None:
+    """Press `first` and hold a key; let go and again, where a stall of this machine disarmed."""
 
-    def pressed() -> object:
-        terminal.type_again("\n")
-        _press(terminal, key)
-        return condition()
-
-    until(pressed)
-
-
-def _press_anew_until(terminal: Terminal, condition: Callable[[], object], first: str = "") -> None:
-    """Let go and hold a key, again where this machine stalled; `first` is pressed before."""
-
-    def pressed() -> object:
+    def held() -> bool:
         terminal.type(first)
+        let_go_s = time.monotonic() + 3.0
+        while time.monotonic() < let_go_s:
+            _press(terminal, key)
+            if condition():
+                return True
         time.sleep(1.0)
         terminal.read(0)
-        _hold(terminal, "w", 1.0)
-        return condition()
+        return False
 
-    until(pressed)
+    until(held)
 
 
 def _drives_at(sim: roburoc4.Simulator, linear_m_s: float) -> bool:
@@ -122,7 +117,7 @@ def test_override_is_shown_and_ends_with_a_new_press(sim: roburoc4.Simulator) ->
     held = _hold(terminal, "w", 0.5)
     if held and held_before:
         assert sim.state.nonzero_speed_commands == 0, "the key is still that of before"
-    _press_anew_until(terminal, lambda: _moves(sim))
+    _hold_until(terminal, "w", lambda: _moves(sim))
     assert terminal.wait(keys="x") == 0
 
 
@@ -137,7 +132,7 @@ def test_keys_that_waited_behind_a_frozen_terminal_do_not_drive(sim: roburoc4.Si
     for _ in range(20):
         terminal.read(0.05)
     assert sim.state.nonzero_speed_commands == 0
-    _press_anew_until(terminal, lambda: _moves(sim), "\n")
+    _hold_until(terminal, "w", lambda: _moves(sim))
     assert terminal.wait(keys="x") == 0
 
 
@@ -152,7 +147,7 @@ def test_space_stops(sim: roburoc4.Simulator) -> None:
     before = sim.state.nonzero_speed_commands
     _hold(terminal, "w", 1.0)
     assert sim.state.nonzero_speed_commands == before
-    _press_anew_until(terminal, lambda: sim.state.nonzero_speed_commands > before, "\n")
+    _hold_until(terminal, "w", lambda: sim.state.nonzero_speed_commands > before, first="\n")
     assert terminal.wait(keys="x") == 0
 
 
