@@ -65,8 +65,8 @@ enum { COMMANDED, COVERED, SPEED, SIGNALS };
  * `patience` times its profile, and some seconds. */
 #define SWINGS_S2 0.2F
 #define SETTLED 0.007F
-#define PATIENCE 1.5F
-#define PATIENCE_S 1.8F
+#define SETTLE_TIMES 1.5F
+#define SETTLE_MARGIN_S 1.8F
 
 static const float unit[BOTH] = {1, 1.75F};
 
@@ -101,7 +101,7 @@ void roburoc4_move_axis_begin(roburoc4_move *m) {
         LAG_AND_BEND * LAG_SPREAD * BEND_SPREAD;
     const uint32_t axis = roburoc4_move_axis(m);
     m->private_patience_s =
-        PATIENCE * roburoc4_move_axis_seconds(m, axis, m->private_goal[axis]) + PATIENCE_S;
+        SETTLE_TIMES * roburoc4_move_axis_seconds(m, axis, m->private_goal[axis]) + SETTLE_MARGIN_S;
     m->private_side = 0;
     m->private_turned = m->private_rested = 0;
 }
