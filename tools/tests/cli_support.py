@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from robot_support import LONG_S
+from strain import watch_session
 
 import roburoc4
 
@@ -93,17 +94,14 @@ def doctor(
 
 
 class Terminal:
-    """A command in a terminal of its own.
-
-    That is a session of its own, whose processes Linux (autogroup) may not run for a second or
-    more on a busy machine: whether a drive ends well is tested without one.
-    """
+    """A command in a terminal of its own."""
 
     def __init__(self, *arguments: str, robot: str | None = None) -> None:
         self.text = ""
         self._typed_s = 0.0
         pid, self._fd = pty.fork()
         if pid == 0:
+            watch_session()
             env = environment(robot) | {"TERM": "xterm-256color"}
             os.execvpe(COMMAND, [COMMAND, *arguments], env)
         self._pid = pid

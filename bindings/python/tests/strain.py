@@ -4,6 +4,8 @@
 Such tests are run again, and listed (run_pytest in scripts/lib.sh).
 """
 
+import mmap
+import os
 import threading
 import time
 from collections.abc import Generator
@@ -19,40 +21,63 @@ class MachineTooBusyError(Exception):
     """Not a failure: the test is to be run again. Only after several such runs it is one."""
 
 
-class _Strain:
-    """Takes naps in a thread of its own: how long it oversleeps shows how busy the machine is."""
-
-    def __init__(self) -> None:
-        self.worst_s = 0.0
-        threading.Thread(target=self._nap, daemon=True).start()
-
-    def _nap(self) -> None:
-        while True:
-            begun_s = time.monotonic()
-            time.sleep(_NAP_S)
-            self.worst_s = max(self.worst_s, time.monotonic() - begun_s - _NAP_S)
+_worst_s = memoryview(mmap.mmap(-1, 8)).cast("d")
+"""How much longer than asked the worst nap took; shared with processes that this one forks."""
 
 
-_strain = _Strain()
+def _nap() -> None:
+    begun_s = time.monotonic()
+    time.sleep(_NAP_S)
+    _worst_s[0] = max(_worst_s[0], time.monotonic() - begun_s - _NAP_S)
 
 
-def _explained() -> Generator[None, object, object]:
+def _nap_on() -> None:
+    while True:
+        _nap()
+
+
+threading.Thread(target=_nap_on, daemon=True).start()
+
+
+def watch_session() -> None:
+    """Take naps in a forked process, too, until the caller's process ends.
+
+    For the first process of a session: Linux (autogroup) may not run a session for seconds on a
+    machine where others run.
+    """
+    parent = os.getpid()
+    if os.fork():
+        return
+    os.setpgid(0, 0)  # keys of the terminal are not for this process
+    os.closerange(0, 65536)
+    while os.getppid() == parent:
+        _nap()
+    os._exit(0)
+
+
+def forget() -> None:
+    """Begin to judge anew."""
+    _worst_s[0] = 0.0
+
+
+def explained() -> Generator[None, object, object]:
+    """Raise MachineTooBusyError for a failure on a machine that was."""
     try:
         return (yield)
     except Exception as error:
-        if _strain.worst_s > _TOO_LATE_S:
+        if _worst_s[0] > _TOO_LATE_S:
             raise MachineTooBusyError(
-                f"a nap of {_NAP_S} s took {_strain.worst_s:.2f} s more"
+                f"a nap of {_NAP_S} s took {_worst_s[0]:.2f} s more"
             ) from error
         raise
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_setup() -> Generator[None, object, object]:
-    _strain.worst_s = 0.0
-    return (yield from _explained())
+    forget()
+    return (yield from explained())
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call() -> Generator[None, object, object]:
-    return (yield from _explained())
+    return (yield from explained())
