@@ -269,6 +269,14 @@ compile() {
     $aside cmake --build "$tree" --config RelWithDebInfo --parallel "$(jobs)" "$@"
 }
 
+# build_preset NAME [TARGET...]: one of CMakePresets.json, in its folder build/NAME.
+build_preset() {
+    preset=$1
+    shift
+    configure "build/$preset" -- --preset "$preset"
+    compile "build/$preset" "$@"
+}
+
 # logged LOG COMMAND...: run it with its output in LOG; its exit status is $logged_status.
 logged() {
     logged_log=$1
