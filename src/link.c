@@ -295,6 +295,22 @@ static void lower_bound(roburoc4_private_link *l, uint32_t late_us, uint32_t by_
     l->proven_us = now_us;
 }
 
+/** By how much the last status of a service was late. */
+static uint32_t late_of(const roburoc4_private_link *l, const service *s) {
+    return not_negative(late_by(l, transit_of(s->robot_cycles, s->received_us)));
+}
+
+/** By how much all statuses of the last second were late: one that is later still waited by itself,
+ *  and an answer may have overtaken it. */
+static uint32_t common_lateness(const roburoc4_private_link *l, uint32_t late_us, uint64_t now_us) {
+    for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
+        if (now_us - l->services[i].received_us < SECOND) {
+            late_us = at_most(late_us, late_of(l, &l->services[i]));
+        }
+    }
+    return late_us;
+}
+
 /** The first status after an answer was made after the request was sent, give or take a cycle. That
  *  bounds its age, and distinguishes drifting clocks from a growing queue: with either, all
  *  statuses look late. Because a network can swap an answer and a status, the bound is lowered only
@@ -302,7 +318,8 @@ static void lower_bound(roburoc4_private_link *l, uint32_t late_us, uint32_t by_
 static void learn_age(roburoc4_private_link *l, uint32_t late_us, uint64_t now_us) {
     const uint32_t drifted = drifted_us(l, now_us);
     const uint32_t proven_us = (uint32_t)now_us - l->asked_us + ROBUROC4_CYCLE_US;
-    const uint32_t bound_us = sum(late_us + drifted, l->floor_age_us);
+    const uint32_t common_us = common_lateness(l, late_us, now_us);
+    const uint32_t bound_us = sum(common_us + drifted, l->floor_age_us);
     const uint32_t excess_us = bound_us > proven_us ? bound_us - proven_us : 0;
     if (l->floor_age_us == AGE_UNKNOWN) {
         l->floor_age_us = proven_us;
@@ -317,8 +334,10 @@ static void learn_age(roburoc4_private_link *l, uint32_t late_us, uint64_t now_u
     } else {
         l->excess_us = at_most(l->excess_us, excess_us);
         if ((uint32_t)now_us - l->excess_since_us >= SECOND) {
-            lower_bound(l, late_us, l->excess_us, now_us);
-            l->slack_us = l->excess_us < excess_us ? l->slack_us : 0; /* was it before the jump? */
+            lower_bound(l, common_us, l->excess_us, now_us);
+            if (excess_us - l->excess_us + (late_us - common_us) < ROBUROC4_CYCLE_US) {
+                l->slack_us = 0; /* none of that is from before the jump */
+            }
             l->excess_us = 0;
         }
     }
@@ -494,8 +513,7 @@ void roburoc4_link_round_trip(roburoc4_private_link *l, bool text, uint32_t sent
 
 uint32_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint64_t now_us) {
     const service *s = &l->services[index];
-    const uint32_t late_us = not_negative(late_by(l, transit_of(s->robot_cycles, s->received_us)));
-    const uint32_t grown_us = late_us + drifted_us(l, s->received_us);
+    const uint32_t grown_us = late_of(l, s) + drifted_us(l, s->received_us);
     return sum(clipped(now_us - s->received_us), sum(grown_us, l->floor_age_us));
 }
 

@@ -422,14 +422,15 @@ class LateRobot : public ScriptedRobot {
         return held_.empty() ? next : std::min(next, held_.begin()->first);
     }
 
+  protected:
+    std::uint64_t at_us_ = 0;
+    std::multimap<std::uint64_t, Bytes> held_;
+
   private:
     virtual std::uint64_t late_us(const Bytes &datagram) = 0;
     virtual Bytes sent_as(Bytes datagram) {
         return datagram;
     }
-
-    std::uint64_t at_us_ = 0;
-    std::multimap<std::uint64_t, Bytes> held_;
 };
 
 /** Statuses of the inputs have a queue of their own. */
