@@ -56,8 +56,8 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
     const uint32_t lease_before_us = c->private_drive.lease_us;
     const roburoc4_result result =
         roburoc4_drive_grant(&c->private_drive, target, lease_us, (uint32_t)now_us);
-    if (c->private_drive.changed || lease_us != lease_before_us) {
-        wake(c); /* a lease that is only renewed makes nothing due */
+    if (c->private_drive.changed || lease_us != lease_before_us || c->private_drive.stopping) {
+        wake(c); /* a lease that is only renewed makes nothing due; one that ended just now does */
     }
     if (c->private_outputs.relocalizing) {
         roburoc4_schedule_watch_pose(c);

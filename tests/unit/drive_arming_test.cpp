@@ -507,6 +507,39 @@ TEST(Disarms, WhenALateTextFindsTheOverride) {
     EXPECT_EQ(15, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
 }
 
+/** An error that does not name its text is believed some time after it came. */
+TEST(Disarms, WithZerosAtOnceWhenDriveNoticesIt) {
+    ScriptedRobot robot;
+    robot.texts_refused = robot.error_header = true;
+    bool silent = true;
+    std::uint64_t asked = 0;
+    robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &) {
+        const bool last = r.action == ROBUROC4_ACTION_QUERY &&
+                          r.io_type == ROBUROC4_IO_DIGITAL_INPUT && r.index == ROBUROC4_DI_PAD_A;
+        asked += last;
+        return last && silent;
+    };
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    Bench bench(robot, config);
+    bench.start();
+    ASSERT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }, 600 * second));
+    silent = false;
+    asked = 0;
+    ASSERT_TRUE(bench.run_until([&] { return asked != 0; }, 60 * second));
+    roburoc4_result result = ROBUROC4_OK;
+    for (int i = 0; i < 200 && result >= 0; i++) {
+        bench.run(7 * ms);
+        result = bench.drive(0.5F, 0);
+    }
+    ASSERT_EQ(ROBUROC4_ERR_OVERRIDE_UNKNOWN, result);
+    ASSERT_EQ(1, bench.facts().stopping);
+    bench.sent.clear();
+    bench.poll();
+    ASSERT_EQ(1U, bench.commands().size());
+    EXPECT_EQ(0U, bench.speeds());
+}
+
 namespace {
 
 /** A robot that keeps silent about the text of its battery, the fifth service, while `silent`. */
