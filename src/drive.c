@@ -414,6 +414,7 @@ static void note_sent(drive *d, const float *speeds, uint32_t now_us) {
         d->nonzero_sent = 1;
         d->unconfirmed = 1;
         fly_at_least(d, IN_FLIGHT_THIS_LEASE);
+        roburoc4_follow_sent(&d->follow, speeds);
     }
     expect_echo(d, speeds, now_us);
 }

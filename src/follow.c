@@ -88,6 +88,18 @@ void roburoc4_follow_begin(follow *f) {
     }
 }
 
+/** The bounds go away from each other at once. */
+static void widen(follow *f, uint32_t axis, int32_t low, int32_t high, int32_t target) {
+    f->low[axis] = target < low ? target : low;
+    f->high[axis] = target > high ? target : high;
+}
+
+void roburoc4_follow_sent(follow *f, const float *targets) {
+    for (uint32_t axis = 0; axis < AXES; axis++) {
+        widen(f, axis, f->low[axis], f->high[axis], fixed_from(targets[axis]));
+    }
+}
+
 /** Take a speed into the averages and bounds of an axis: whether it is out of bounds. */
 static bool watch_axis(follow *f, uint32_t axis, float measured, const float *targets,
                        uint32_t passed) {
@@ -105,8 +117,7 @@ static bool watch_axis(follow *f, uint32_t axis, float measured, const float *ta
         part_way(f->low[axis], target, passed, f->low[axis] < 0 ? SLOWER_BITS : FASTER_BITS);
     const int32_t high =
         part_way(f->high[axis], target, passed, f->high[axis] > 0 ? SLOWER_BITS : FASTER_BITS);
-    f->low[axis] = target < low ? target : low;
-    f->high[axis] = target > high ? target : high;
+    widen(f, axis, low, high, target);
     if (stands(f, axis, target, passed)) {
         f->fault_cycles = FAULT_CYCLES;
         return true;

@@ -279,6 +279,8 @@ static inline void follow_pause(follow *f, const roburoc4_differential_status *s
     f->watching = WATCHING_NOTHING;
     f->cycles = (uint16_t)status->robot_cycles;
 }
+/** The robot has these targets from now on, which statuses may miss if they soon change again. */
+void roburoc4_follow_sent(follow *f, const float *targets);
 /** Judge a status: whether the robot has not followed these targets for a while. NULL: it has none
  * to follow now. */
 bool roburoc4_follow_status(follow *f, const float *targets,

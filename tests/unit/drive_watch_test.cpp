@@ -475,6 +475,20 @@ TEST(Inhibited, IsNoRobotThatRespondsInItsOwnWay) {
                 }
 }
 
+/** Each speed comes and goes between two statuses. */
+TEST(Inhibited, IsNoRobotWithTargetsThatNoStatusShows) {
+    Responding robot(2.64F, 0.69F, 1.1F, 9);
+    robot.forced_period = 16;
+    Bench bench(robot);
+    bench.armed();
+    for (int cycle = 0; cycle < 1000; cycle++) {
+        const bool turns = robot.cycles() % 16 >= 2 && robot.cycles() % 16 < 8;
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0, turns ? 1.5F : 0)) << cycle;
+        bench.run(10 * ms);
+        robot.respond();
+    }
+}
+
 /** It seems to be at rest for a moment, and goes on in the other direction. */
 TEST(Inhibited, IsNoRobotThatIsArmedAgainWhileItChangesItsDirection) {
     Disobedient robot;
