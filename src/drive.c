@@ -141,7 +141,7 @@ void roburoc4_drive_override(drive *d, bool overridden, bool known, uint32_t cyc
     } else if (known && d->confirmed == SHOWN && (int32_t)(cycles - d->shown_cycles) >= 0) {
         d->confirmed = CONFIRMED; /* [A] was not held when the status was made that shows it */
     }
-    if (released && d->unconfirmed) {
+    if (released && d->unconfirmed && !d->lease_active) { /* else it obeys that of the lease */
         stop_again(d);   /* the robot may have ignored the zeros, and obey the speed from before */
         d->echo_due = 1; /* which statuses show later */
     }

@@ -206,6 +206,30 @@ TEST_F(StopBelief, OfAClosingClientEndsHoweverOftenTheOverrideDoes) {
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());
 }
 
+/** [A] was held, and then the program says that no input is [A]. */
+TEST_F(StopBelief, DoesNotInterruptALeaseWhenTheOverrideBecomesUnknown) {
+    robot.channel_text = [](std::uint32_t, std::uint32_t) { return "spare"; };
+    roburoc4_config config = default_config();
+    config.options |= ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
+    Bench again(robot, config);
+    again.armed();
+    ASSERT_TRUE(again.run_until([&] { return again.facts().descriptions_done == 1; }));
+    ASSERT_NO_FATAL_FAILURE(again.driving(1, 0, second));
+    robot.hold(true);
+    again.run(3 * second);
+    ASSERT_EQ(ROBUROC4_STOP_OVERRIDDEN, again.facts().stop_outcome);
+    robot.hold(false);
+    robot.target_linear = robot.current_linear = 0;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_set_role_index(&again.client, ROBUROC4_ROLE_OVERRIDE,
+                                                          ROBUROC4_INDEX_AUTO, again.client_us()));
+    ASSERT_EQ(ROBUROC4_OK, again.arm());
+    const std::uint64_t at_us = again.now_us;
+    ASSERT_NO_FATAL_FAILURE(again.driving(0.5F, 0, 500 * ms));
+    EXPECT_LE(10U, again.commands(at_us).size());
+    EXPECT_EQ(again.commands(at_us).size(), again.speeds(at_us));
+}
+
 TEST_F(StopBelief, EndsUnconfirmedOnARobotThatLostItsInputs) {
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
