@@ -206,6 +206,26 @@ TEST_F(StopBelief, OfAClosingClientEndsHoweverOftenTheOverrideDoes) {
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());
 }
 
+/** Statuses of the robot that restarted count again once its clock shows more than before. */
+TEST_F(StopBelief, OfAClosingClientIsNotConfirmedByInputsOfAnotherRobot) {
+    roburoc4_config config = default_config();
+    config.robot_watchdog_ms = 10000;
+    Bench closing(robot, config);
+    closing.armed();
+    ASSERT_NO_FATAL_FAILURE(closing.driving(1, 0, second));
+    ASSERT_EQ(ROBUROC4_OK, closing.close());
+    closing.drop_to_robot = is_command;
+    robot.set_cycles(robot.cycles() - 130);
+    robot.press(ROBUROC4_DI_PAD_A + 1); /* where [A] is now */
+    robot.follows = false;
+    robot.target_linear = robot.current_linear = 0;
+    closing.run(9 * second);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), closing.state());
+    closing.run(2 * second);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), closing.state());
+    EXPECT_FALSE(closing.take_events() & ROBUROC4_EVENT_STOPPED);
+}
+
 /** [A] was held, and then the program says that no input is [A]. */
 TEST_F(StopBelief, DoesNotInterruptALeaseWhenTheOverrideBecomesUnknown) {
     robot.channel_text = [](std::uint32_t, std::uint32_t) { return "spare"; };
