@@ -354,8 +354,14 @@ void Oracle::sent(Moment now, const Datagram &datagram) {
         known = known || ((may || zero) && robots_[i].differential_id == service);
         card = card || (may && robots_[i].iocard_id == service);
     }
-    /* what it knows of the services may be of two robots */
-    known = known || (zero && start_is_hidden());
+    /* what it knows of the services may be of two robots, until it reads them again */
+    const bool reads =
+        report_.state == ROBUROC4_STATE_CONNECTING || report_.state == ROBUROC4_STATE_DISCOVERING;
+    if (start_is_hidden() && zero)
+        mixed_service_ = service;
+    else if (!reads)
+        mixed_service_ = 0;
+    known = known || (zero && service != 0 && service == mixed_service_);
     if (card && service != 0 && outputs_allowed_ && datagram.size != 11) {
         request_sent(now, datagram);
         return;
@@ -409,7 +415,7 @@ void Oracle::zero_sent(Moment now) {
         begin_stop(now);
     if (!stop_.active && speed_out_ && !within_lease) /* it ended driving by itself */
         end_driving(now, Promise::speed_needs_lease);
-    else if (!stop_.active && !within_lease && zeros_welcome(now))
+    else if (!stop_.active && (!within_lease || report_.stopping) && zeros_welcome(now))
         begin_stop(now);
     stop_requested_ = false;
     if (lease_.alive && target_may_be_zero())
@@ -495,7 +501,9 @@ void Oracle::remember(Moment now, Speeds speeds) {
         sent_.back() = {now.true_us, now.client_us, speeds};
     else
         sent_.push_back({now.true_us, now.client_us, speeds});
-    while (now.true_us - sent_.front().true_us > 180000000)
+    /* until a stop is confirmed, those from before it count, however long ago */
+    const bool settled = now.true_us - last_unconfirmed_us_ > 180000000;
+    while (now.true_us - sent_.front().true_us > 180000000 && (settled || sent_.size() > 10000))
         sent_.pop_front();
 }
 

@@ -292,11 +292,12 @@ void Oracle::iocard_status(Moment now, const Datagram &datagram) {
     overridden_ = index >= 0 && shows_input(datagram, index);
     pad_a_shown_ = overridden_;
     /* [A] may have been shown before the client was ready: a stop that began then, too, is sent
-     * again when [A] is released */
-    if (shown_before && !pad_a_shown_) {
+     * again when [A] is released; one that does not know [A] any more cannot exclude that it was */
+    if ((shown_before && !pad_a_shown_) || pad_a_forgotten_) {
         zeros_welcome_us_ = now.true_us + milliseconds(config_.drive_period_ms) + slack_us;
         stop_.again_us = now.true_us;
     }
+    pad_a_forgotten_ = false;
     if (role_set_)
         stop_.again_us = now.true_us;
     role_set_ = false;
@@ -360,17 +361,21 @@ void Oracle::watch_restart(Moment now, const Datagram &datagram) {
         if (newest.known && newest.boot < datagram.origin.boot &&
             (last == nullptr || newest.received_us > last->received_us))
             last = &newest;
-    /* of a start whose statuses only showed that it was another, the clock is known, too */
+    /* of a start whose statuses only showed that it was another, the clock is known, too; but a
+     * pause of the program may be as long as what the next one's lacks */
+    bool hidden = false;
     for (const auto &start : last_of_start_)
-        if (start.first < datagram.origin.boot && last != nullptr && start.first > last->boot)
+        if (start.first < datagram.origin.boot && last != nullptr && start.first > last->boot) {
             last = &start.second;
+            hidden = disturbed_us_ > last->made_us;
+        }
     if (datagram.origin.boot != boot_) {
         boot_ = datagram.origin.boot;
         restart_us_ = now.true_us;
         restarted_statuses_ = 0;
         armed_before_restart_ = armed_;
         const double counted = last != nullptr ? counted_us(*last, datagram) : 0;
-        if (last == nullptr || may_be_same_start(*last, now, datagram)) {
+        if (last == nullptr || hidden || may_be_same_start(*last, now, datagram)) {
             judged_boot_ = boot_; /* nothing to notice; but ages are wrong by what it is ahead */
             const auto truly = static_cast<double>(datagram.origin.made_us) -
                                static_cast<double>(last != nullptr ? last->made_us : 0);
@@ -437,6 +442,8 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
         disarm(now, Promise::nothing_arms_itself);
     }
     pausing_ = false;
+    if (before.override_known && !report.override_known && pad_a_shown_)
+        pad_a_forgotten_ = true;
     if ((report.events & ROBUROC4_EVENT_REBOOT) != 0) { /* the newest it knows now */
         last_of_start_.erase(last_of_start_.begin(), last_of_start_.lower_bound(boot_));
         ages_judged_ = ages_judged_ && !robot_.own_queues; /* a delay that it finds is normal */
