@@ -88,15 +88,19 @@ void roburoc4_follow_begin(follow *f) {
     }
 }
 
-/** The bounds go away from each other at once. */
-static void widen(follow *f, uint32_t axis, int32_t low, int32_t high, int32_t target) {
+/** The bounds go away from each other at once, and come back in a few seconds. */
+static void move_bounds(follow *f, uint32_t axis, int32_t target, uint32_t passed) {
+    const int32_t low =
+        part_way(f->low[axis], target, passed, f->low[axis] < 0 ? SLOWER_BITS : FASTER_BITS);
+    const int32_t high =
+        part_way(f->high[axis], target, passed, f->high[axis] > 0 ? SLOWER_BITS : FASTER_BITS);
     f->low[axis] = target < low ? target : low;
     f->high[axis] = target > high ? target : high;
 }
 
 void roburoc4_follow_sent(follow *f, const float *targets) {
     for (uint32_t axis = 0; axis < AXES; axis++) {
-        widen(f, axis, f->low[axis], f->high[axis], fixed_from(targets[axis]));
+        move_bounds(f, axis, fixed_from(targets[axis]), 0);
     }
 }
 
@@ -113,11 +117,7 @@ static bool watch_axis(follow *f, uint32_t axis, float measured, const float *ta
     }
     f->mean[axis] = part_way(f->mean[axis], speed, passed, MEAN_BITS);
     const int32_t target = targets != NULL ? fixed_from(targets[axis]) : f->mean[axis];
-    const int32_t low =
-        part_way(f->low[axis], target, passed, f->low[axis] < 0 ? SLOWER_BITS : FASTER_BITS);
-    const int32_t high =
-        part_way(f->high[axis], target, passed, f->high[axis] > 0 ? SLOWER_BITS : FASTER_BITS);
-    widen(f, axis, low, high, target);
+    move_bounds(f, axis, target, passed);
     if (stands(f, axis, target, passed)) {
         f->fault_cycles = FAULT_CYCLES;
         return true;
