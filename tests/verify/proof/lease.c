@@ -63,7 +63,7 @@ static uint32_t pause_us(const drive *d, const roburoc4_config *config);
 /*@ assigns d->zeros_sent, d->stop_us, d->expected_us, t->wait_us; */
 static bool zero_due(drive *d, const roburoc4_config *config, timer *t);
 /*@ assigns d->changed, d->nonzero_sent, d->unconfirmed, d->in_flight, d->echo_due, d->expected_us,
-            d->echo_low[0 .. 1], d->echo_high[0 .. 1]; */
+            d->echo_low[0 .. 1], d->echo_high[0 .. 1], d->follow; */
 static void note_sent(drive *d, const float *speeds, uint32_t now_us);
 /*@ assigns speeds[0 .. 1]; */
 static void shape(const drive *d, const roburoc4_config *config,
