@@ -59,7 +59,9 @@ void Oracle::received(Moment now, const Datagram &datagram, std::int32_t result)
         answer_delay_us_ = now.true_us - origin.made_us;
         if (result >= 0 && !text && datagram.u8_at(1) != action_query)
             answer_made_us_ = origin.made_us;
-        if (stop_.zeros > 0 && origin.asked_us > stop_.first_zero_us)
+        /* close() forgets what was asked before */
+        if (stop_.zeros > 0 && origin.asked_us > stop_.first_zero_us &&
+            (result >= 0 || result == ROBUROC4_ERR_ROBOT))
             stop_.answered_us = std::min(stop_.answered_us, now.true_us);
     }
     if ((result < 0 && result != ROBUROC4_ERR_ROBOT && !doubted) || origin.boot < required_boot_)
@@ -704,12 +706,12 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
         violate(Promise::stop_ends, now.true_us,
                 "the stop sequence lasts " + ms_text(now.true_us - stop_.due_us));
     /* where all answers have one id, or take long, ages are known late; while [A] is not known,
-     * nothing confirms; while closing, nothing asks, so ages that a step of the clock made unknown
-     * stay so */
+     * nothing confirms; while closing, nothing asks, so ages that a step of the clock made unknown,
+     * or a restart long, stay so */
     const bool calm =
         !robot_.literal_ids && !robot_.slow_texts && calm_us_ < now.true_us &&
         now.true_us - calm_us_ > 5000000 && report.override_known &&
-        (report.state != ROBUROC4_STATE_CLOSING || report.age_us[differential] != UINT32_MAX);
+        (report.state != ROBUROC4_STATE_CLOSING || report.age_us[differential] < 1000000);
     if (calm && stop_.sure_us > stop_.again_us && now.true_us - stop_.sure_us > period + slack_us)
         violate(robot_.rounds ? Promise::rounding_is_not_motion : Promise::stop_ends, now.true_us,
                 "a status has confirmed the stop, but the sequence continues");
