@@ -30,11 +30,11 @@ int main(int argc, char **argv) {
     uint64_t now_us = roburoc4_udp_now_us(), begun_us = now_us;
     roburoc4_client_init(&client, sizeof client, NULL);
     roburoc4_client_start(&client, now_us);
-    do { /* connect and ask for permission to drive, for 5 s at most */
+    do { /* connect and ask for permission to drive, for 10 s at most */
         roburoc4_udp_wait(&udp, &client, 50000); /* sends and receives */
         now_us = roburoc4_udp_now_us();
         result = roburoc4_client_arm(&client, now_us);
-    } while (result < 0 && !interrupted && now_us - begun_us < 5000000);
+    } while (result < 0 && !interrupted && now_us - begun_us < 10000000);
     if (result < 0) {
         puts(roburoc4_result_text(result));
     }

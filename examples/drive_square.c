@@ -17,14 +17,14 @@ static void on_signal(int number) {
     interrupted = number;
 }
 
-/* Connect and arm, for 5 s at most; less than 0 says why that failed. */
+/* Connect and arm, for 10 s at most; less than 0 says why that failed. */
 static roburoc4_result arm(const char *host) {
     roburoc4_address address;
     roburoc4_result result = roburoc4_udp_resolve(host, 0, &address);
     if (result < 0 || (result = roburoc4_udp_open(&udp, sizeof udp, &address)) < 0) {
         return result;
     }
-    const uint64_t end_us = roburoc4_udp_now_us() + 5000000;
+    const uint64_t end_us = roburoc4_udp_now_us() + 10000000;
     roburoc4_client_init(&client, sizeof client, NULL);
     roburoc4_client_start(&client, roburoc4_udp_now_us());
     do {

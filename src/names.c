@@ -38,8 +38,8 @@ static const char codec_and_client[] =
 
 static const char motion[] =
     "not armed: call arm() before drive()\0"
-    "not connected: wait until the robot answers\0"
-    "no usable differential service: this robot cannot be driven\0"
+    "not connected: check power, cable and address, or wait\0"
+    "no usable differential service: set differential_id if you know it\0"
     "the robot's speed limits are not usable: check its properties\0"
     "no recent differential status: check the link and the status period\0"
     "no recent IO card status: check the link and the status period\0"

@@ -64,6 +64,15 @@ def test_a_good_link_is_healthy() -> None:
         assert stream["rate_hz"] == pytest.approx(stream["asked_hz"], rel=0.05)
 
 
+@pytest.mark.parametrize("setting", ["answer_id_fixed", "only_id_fixed"])
+def test_a_robot_whose_ids_are_the_manuals_is_healthy(setting: str) -> None:
+    with roburoc4.Simulator(port=0, **{setting: 1}) as sim:
+        found = _verdict(robot=sim.address)
+    assert (found["name"], found["exit"]) == ("healthy", 0)
+    assert found["answered"] > 10
+    assert found["round_trip_ms"] < 50.0
+
+
 def test_fault_name() -> None:
     found = _verdict(robot="no-such-robot.invalid")
     assert (found["name"], found["exit"]) == ("name", 3)

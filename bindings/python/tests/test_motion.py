@@ -46,6 +46,13 @@ def test_arm_waits_for_what_the_next_status_brings(roburoc4_simulator: Simulator
         assert robot.facts.armed
 
 
+@pytest.mark.parametrize("setting", ["answer_id_fixed", "only_id_fixed"])
+def test_arm_waits_for_the_inputs_of_a_robot_whose_ids_are_the_manuals(setting: str) -> None:
+    with Simulator(**{setting: 1}) as sim, sim.connect() as robot:
+        robot.arm()
+        assert robot.facts.armed
+
+
 def test_stop_sends_zeros_and_disarms(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.arm()

@@ -354,14 +354,14 @@ methods
 
     function arm(this, timeout)
         %ARM Allow driving.
-        %   arm(R) raises roburoc4:notArmed with the reason if it is refused. It waits for 5 seconds,
+        %   arm(R) raises roburoc4:notArmed with the reason if it is refused. It waits for 10 seconds,
         %   or arm(R, SECONDS), if the reason can go away by itself: no status yet, the robot still
         %   rolls.
         %
         %   Example:
         %      r.arm()
         if nargin < 2
-            timeout = 5;
+            timeout = 10;
         end
         timeout = roburoc4.internal.number(timeout, 'timeout', 0, 1e6);
         finish_s = this.time_s + timeout;

@@ -208,7 +208,7 @@ class Robot(RobotBase, Moving[Coroutine[Any, Any, MoveResult]]):
         function("condition", condition)
         return await self._wait_until(true_or_unknown(condition, self), timeout, condition)
 
-    async def arm(self, timeout: float = 5.0) -> None:
+    async def arm(self, timeout: float = 10.0) -> None:
         """Allow driving, or raise NotArmedError; see :meth:`roburoc4.Robot.arm`."""
         end_s, stops = self._connection.now_s() + timeout_s(timeout), self._stops
         await self._wait(arming(lambda: self._try_to_arm(end_s, stops)))

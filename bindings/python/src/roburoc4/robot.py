@@ -175,7 +175,7 @@ class Robot(RobotBase, Moving[MoveResult]):
 
     # ---- driving ----
 
-    def arm(self, timeout: float = 5.0) -> None:
+    def arm(self, timeout: float = 10.0) -> None:
         """Allow driving, or raise NotArmedError with the reason why not.
 
         Waits if the reason will pass by itself: no status yet, or a robot that is still rolling.
@@ -321,7 +321,7 @@ class ManualRobot(Robot):
                 error.code,
             ) from None
 
-    def arm(self, timeout: float = 5.0) -> None:
+    def arm(self, timeout: float = 10.0) -> None:
         """See :meth:`Robot.arm`."""
         super().arm(timeout)
         self._socket.forget_pauses()

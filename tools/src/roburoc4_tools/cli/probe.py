@@ -11,7 +11,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Self
 
-_FIRST_ID, _LAST_ID = 2, 254
+_MANUALS_ID, _FIRST_ID, _LAST_ID = 1, 2, 254
 _DENIED = {errno.EACCES, errno.EPERM}
 _STATUS = b"\xff"
 _PERIOD_CYCLES = 10
@@ -65,6 +65,7 @@ class Probe:
         self._socket = socket.socket(family, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
         self._sent_s: dict[int, float] = {}
+        self._echoes: bool | None = None  # the ids of requests, as robots of the family do
         try:
             self._socket.connect(self.address)
         except OSError as error:
@@ -84,13 +85,15 @@ class Probe:
         """Answers unlike most others, although all are answers to the same request."""
         return self.contents.total() - max(self.contents.values(), default=0)
 
-    @staticmethod
-    def _id_of(request: int) -> int:
-        return _FIRST_ID + request % (_LAST_ID - _FIRST_ID + 1)
+    def _next_id(self) -> int:
+        """Return an id of its own, or the manual's; both by turns until one was answered."""
+        if self._echoes is False or (self._echoes is None and self.asked % 2):
+            return _MANUALS_ID
+        return _FIRST_ID + self.asked % (_LAST_ID - _FIRST_ID + 1)
 
     def ask(self) -> None:
         """Send one request."""
-        request_id = self._id_of(self.asked)
+        self._last_id = request_id = self._next_id()
         self.asked += 1
         self._sent_s[request_id] = time.monotonic()
         try:
@@ -104,9 +107,8 @@ class Probe:
         Listening on matters: what waits in the socket would be taken for slow.
         """
         until_s = time.monotonic() + wait_s
-        last = self._id_of(self.asked - 1)
         while (left_s := until_s - time.monotonic()) > 0.0:
-            if until_answered and (self.fault or last not in self._sent_s):
+            if until_answered and (self.fault or self._last_id not in self._sent_s):
                 return
             if select.select([self._socket], [], [], left_s)[0]:
                 self._take()
@@ -120,10 +122,19 @@ class Probe:
         if len(data) < 5 or data[1:4] != b"\0\0\0":
             self.answered += 1
             self.malformed += 1
-        elif (sent_s := self._sent_s.pop(data[0], None)) is not None:
+        elif (sent_s := self._sent_s.pop(self._request_of(data[0]), None)) is not None:
             self.answered += 1
             self.contents[data[4:]] += 1
             self.round_trips_s.append(time.monotonic() - sent_s)
+
+    def _request_of(self, answer_id: int) -> int:
+        """Return the id that was sent; a robot like the manual answers each with the manual's."""
+        if answer_id != _MANUALS_ID:
+            self._echoes = True
+            return answer_id
+        if self._echoes is None and self.asked > 2:
+            self._echoes = False
+        return self._last_id
 
     def _note(self, error: OSError) -> None:
         if error.errno == errno.ECONNREFUSED:

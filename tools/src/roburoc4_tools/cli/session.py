@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from roburoc4 import Robot
 
 SILENCE_S = 5.0  # how long a robot may be silent before the command gives up
-_FIRST_INPUTS_S = 2.0
+_FIRST_INPUTS_S, _LAST_INPUTS_S = 2.0, 10.0  # as long as it still describes them
 _REST_S = 3.0
 _POLL_S = 0.02
 _STILL_M_S = 0.01
@@ -155,10 +155,13 @@ def _ceilings(linear_m_s: float, angular_rad_s: float) -> dict[str, float]:
 
 
 def _has_inputs(robot: Robot) -> bool:
-    until_s = time.monotonic() + _FIRST_INPUTS_S
-    while robot.facts.overridden is None and time.monotonic() < until_s:
+    begun_s = time.monotonic()
+    while (facts := robot.facts).overridden is None:
+        longest_s = _FIRST_INPUTS_S if facts.descriptions_done else _LAST_INPUTS_S
+        if time.monotonic() - begun_s >= longest_s:
+            return False
         time.sleep(_POLL_S)
-    return robot.facts.overridden is not None
+    return True
 
 
 def refuse_override(robot: Robot) -> None:
