@@ -10,9 +10,6 @@
 #include <sys/socket.h>
 #include <time.h>
 
-void robot_begin(void);
-void robot_poll(void);
-
 static int robot; /* a socket */
 static uint64_t begun_us;
 

@@ -86,7 +86,7 @@ static roburoc4_result do_control(roburoc4_sim *sim, const words *line, panel_an
     const sim_control *control = number < 0 ? NULL : sim_control_numbered((uint32_t)number);
     if (control == NULL) {
         (void)snprintf(answer->text, answer->capacity, "unknown command '%s': try help",
-                       line->at[0]);
+                       line->count > 1 ? name : line->at[0]);
         return NOT_UNDERSTOOD;
     }
     roburoc4_result result = read_value(control, line->at[line->count - 1], &value)

@@ -32,6 +32,11 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
     return refusal;
 }
 
+/** A lease that is only renewed makes nothing due; one that ended just now does. */
+static bool is_due(const drive *d, bool lease_differs) {
+    return d->changed || d->stopping || lease_differs;
+}
+
 roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular_rad_s,
                                       uint32_t lease_us, uint64_t now_us) {
     const float target[2] = {linear_m_s, angular_rad_s};
@@ -56,8 +61,8 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
     const uint32_t lease_before_us = c->private_drive.lease_us;
     const roburoc4_result result =
         roburoc4_drive_grant(&c->private_drive, target, lease_us, (uint32_t)now_us);
-    if (c->private_drive.changed || lease_us != lease_before_us || c->private_drive.stopping) {
-        wake(c); /* a lease that is only renewed makes nothing due; one that ended just now does */
+    if (is_due(&c->private_drive, lease_us != lease_before_us)) {
+        wake(c);
     }
     if (c->private_outputs.relocalizing) {
         roburoc4_schedule_watch_pose(c);

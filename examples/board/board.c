@@ -19,9 +19,6 @@
 #define ROBOT_PORT 60000
 #endif
 
-void robot_begin(void);
-void robot_poll(void);
-
 static struct netif network;
 static ip4_addr_t robot_address;
 static struct udp_pcb *robot;

@@ -9,9 +9,6 @@
 
 #include "roburoc4_sim.h"
 
-void robot_begin(void);
-void robot_poll(void);
-
 static roburoc4_sim *robot;
 static uint64_t now_us;
 

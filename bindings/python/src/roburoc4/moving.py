@@ -32,7 +32,8 @@ class Moving(Generic[_R]):
         rangefinder) sees something nearer than the braking distance plus ``clearance`` in metres
         (0.5). It needs telemeters and bumpers that are known; 0 drives without them. Telemeters
         miss things. ``timeout`` is in seconds. ``on_progress`` is called repeatedly with a
-        MoveResult. The robot must be armed. Raises MoveError if the goal was not reached.
+        MoveResult. The robot must be armed. Returns a MoveResult (of an AsyncRobot, when awaited);
+        raises MoveError if the goal was not reached.
         """
         options = MoveOptions(speed, None, clearance, timeout)
         return self._go(Move(self._connection, options).by(distance_m, 0.0), on_progress)
