@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 _WATCH_S = 5.0
 _ASK_EVERY_S = 0.2
 _LISTEN_S = 1.0
+_POLL_S = 0.05
 _FIRST_CONTACT_TRIES = 8
 _FIRST_CONTACT_S = 0.5
 _SERVICES = ("iocard", "telemeter", "battery", "localization", "differential")
@@ -156,9 +157,16 @@ def _watch(found: Findings, options: Options, probe: Probe, say: Say) -> None:
         say(_Mark.BAD, "discovery", error.message)
 
 
-def _check_services(found: Findings, robot: Robot, say: Say) -> None:
+def _missing(robot: Robot) -> list[str]:
     listed = {entry.service for entry in robot.properties.services}
-    found.missing = [service for service in _SERVICES if service not in listed]
+    return [service for service in _SERVICES if service not in listed]
+
+
+def _check_services(found: Findings, robot: Robot, say: Say) -> None:
+    until_s = time.monotonic() + _LISTEN_S
+    while _missing(robot) and time.monotonic() < until_s:
+        time.sleep(_POLL_S)  # what one is may be asked a little later
+    found.missing = _missing(robot)
     text = f"{len(robot.properties.services)} services"
     if found.missing:
         text += f", without {', '.join(found.missing)}"
