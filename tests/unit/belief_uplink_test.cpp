@@ -72,6 +72,22 @@ TEST(Uplink, ThatIsDeadDisarmsWithinHalfASecond) {
     EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0.5F, 0, 550 * ms));
 }
 
+/** It may be about any request before that, which waited for long. */
+TEST(Uplink, ThatIsDeadIsNotProvenByAnErrorThatNamesNoRequest) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    robot.service(ROBUROC4_SERVICE_TELEMETER).insert_silent = true;
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+    bench.drop_to_robot = everything;
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 100 * ms));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_subscribe(&bench.client, ROBUROC4_SERVICE_TELEMETER, 70,
+                                                     bench.client_us()));
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 150 * ms));
+    ASSERT_EQ(ROBUROC4_OK, bench.receive(Bytes{ROBUROC4_HEADER_ERROR}));
+    EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0.5F, 0, 250 * ms));
+}
+
 TEST(Uplink, IsWatchedByEveryTargetThatDiffersFromTheReportedOne) {
     for (const float angular : {0.0201F, 0.0244F, -0.0249F}) {
         SCOPED_TRACE(angular);
