@@ -415,8 +415,11 @@ void Oracle::zero_sent(Moment now) {
         begin_stop(now);
     if (!stop_.active && speed_out_ && !within_lease) /* it ended driving by itself */
         end_driving(now, Promise::speed_needs_lease);
-    else if (!stop_.active && (!within_lease || report_.stopping) && zeros_welcome(now))
+    else if (!stop_.active && (!within_lease || report_.stopping) && zeros_welcome(now)) {
         begin_stop(now);
+        if (last_command_zero_ && last_command_us_ == stop_reported_us_)
+            count_zero(now);
+    }
     stop_requested_ = false;
     if (lease_.alive && target_may_be_zero())
         lease_.sent = true;

@@ -261,6 +261,7 @@ class Oracle {
     bool speed_out_ = false;      /* a speed left since the last stop sequence ended */
     bool stop_requested_ = false; /* by the application, and no zero has left since */
     std::uint64_t stop_requested_us_ = 0, zeros_welcome_us_ = 0, known_us_ = 0;
+    std::uint64_t stop_reported_us_ = UINT64_MAX;
     bool command_out_ = false, last_command_zero_ = true, clock_changed_ = false;
     std::uint64_t last_command_us_ = 0, last_speed_us_ = 0;
     bool clock_known_ = false;

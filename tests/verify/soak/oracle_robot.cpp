@@ -431,6 +431,8 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
     observe(now);
     const Report before = report_;
     report_ = report;
+    if (report.stopping && !before.stopping) /* the zero of this call may be its first */
+        stop_reported_us_ = now.true_us;
     if (truth.well != well_) {
         well_ = truth.well;
         well_since_us_ = now.true_us;
