@@ -312,8 +312,6 @@ class Oracle {
     int poses_sent_ = 0;
     std::uint64_t pose_us_ = 0;
     std::uint64_t answer_delay_us_ = 0; /* of the last answer, from the robot */
-    std::uint64_t answer_made_us_ = 0;  /* that of the last one which may prove an age */
-    int overtaken_ = 0; /* so many of the last ones in a row came before an older status */
     bool pad_a_held_ = false;
     std::uint64_t pad_a_us_ = 0;
     std::array<std::uint64_t, reached_count> reached_{};

@@ -57,8 +57,6 @@ void Oracle::received(Moment now, const Datagram &datagram, std::int32_t result)
         reach(Reached::doubled_literal_text);
     if (!is_status(datagram)) {
         answer_delay_us_ = now.true_us - origin.made_us;
-        if (result >= 0 && !text && datagram.u8_at(1) != action_query)
-            answer_made_us_ = origin.made_us;
         /* close() forgets what was asked before */
         if (stop_.zeros > 0 && origin.asked_us > stop_.first_zero_us &&
             (result >= 0 || result == ROBUROC4_ERR_ROBOT))
@@ -112,9 +110,6 @@ void Oracle::status(Moment now, const Datagram &datagram) {
     const std::uint64_t age = now.true_us - made;
     newest = {true, made, datagram.u64_at(3), now.client_us, age, datagram.origin.boot};
     ages_known_of_[datagram.origin.index]++;
-    if (answer_made_us_ != 0)
-        overtaken_ = made < answer_made_us_ ? overtaken_ + 1 : 0;
-    answer_made_us_ = 0;
     if (made < started_us_ || stray_us_ != UINT64_MAX) /* it may come after an answer (SAFETY.md) */
         stray_us_ = std::min(stray_us_, age);
     const std::uint64_t crept = (now.true_us - unproven_since_us_) / 1000;
@@ -548,8 +543,6 @@ void Oracle::judge_ages(Moment now, const Report &report) {
             ages_are_new(received_us, service))
             continue;
         if (newest.boot < judged_boot_) /* by the clock of a start that hides behind another's */
-            continue;
-        if (overtaken_ >= 2) /* "Answers that overtake statuses make those look newer." */
             continue;
         const std::uint64_t age = now.true_us - newest.made_us;
         if (age > report.age_us[service] + tolerance_us(now))
