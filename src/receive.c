@@ -130,11 +130,12 @@ static roburoc4_result take_properties(client *c, uint32_t service, const uint8_
 /** A status shows that the robot restarted, or is another one. */
 static void see_reboot(client *c, uint64_t robot_cycles) {
     forget_override(c);
-    roburoc4_discovery_forget_inputs(&c->private_discovery); /* also while closing */
-    if (c->private_state != ROBUROC4_STATE_CLOSING) {
-        roburoc4_lifecycle_reboot(c);
-        roburoc4_link_overhear(&c->private_link, robot_cycles, c->private_now_us);
+    if (c->private_state == ROBUROC4_STATE_CLOSING) {
+        roburoc4_discovery_forget_inputs(&c->private_discovery);
+        return;
     }
+    roburoc4_lifecycle_reboot(c);
+    roburoc4_link_overhear(&c->private_link, robot_cycles, c->private_now_us);
 }
 
 /** Pass a status to the link; an error unless it counts. */
