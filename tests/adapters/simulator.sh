@@ -53,7 +53,7 @@ starved() {
 tries=$((${tries:-0} + 1))
 export tries
 again() {
-    [ "$tries" -lt 5 ]
+    [ "$tries" -lt 3 ]
     echo "begins again: this machine stalled for $(sort -n "$folder/stalls_ms" | tail -n 1) ms"
     cd /
     clean_up
