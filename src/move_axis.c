@@ -62,7 +62,7 @@ enum { COMMANDED, COVERED, SPEED, SIGNALS };
 /* These were found on bench/family.c itself. A robot that responds slowly swings, and is slow at
  * the end of each swing, too. So one whose bend is larger than `swings` is at its goal only if its
  * two smoothed positions agree within `settled`; but a move waits for that no longer than
- * `patience` times its profile, and some seconds. */
+ * so many times its profile, and some seconds. */
 #define SWINGS_S2 0.2F
 #define SETTLED 0.007F
 #define SETTLE_TIMES 1.5F
