@@ -142,8 +142,7 @@ void roburoc4_drive_override(drive *d, bool overridden, bool known, uint32_t cyc
         d->confirmed = CONFIRMED; /* [A] was not held when the status was made that shows it */
     }
     if (released && d->unconfirmed && !d->lease_active) { /* else it obeys that of the lease */
-        stop_again(d);   /* the robot may have ignored the zeros, and obey the speed from before */
-        d->echo_due = 1; /* which statuses show later */
+        stop_again(d); /* the robot may have ignored the zeros, and obey the speed from before */
     }
 }
 
@@ -228,8 +227,8 @@ void roburoc4_drive_heard(drive *d, uint32_t sent_us) {
 void roburoc4_drive_arrived(drive *d, uint32_t sent_us, uint32_t now_us) {
     if (d->in_flight != IN_FLIGHT_NONE && !d->nonzero_sent && !d->stop_pending &&
         d->zeros_sent != 0 && (int32_t)(sent_us - d->stop_us) > 0) {
-        d->in_flight = IN_FLIGHT_NONE; /* the zero before this request arrived, too, and so did all
-                                          before it */
+        d->in_flight = IN_FLIGHT_NONE; /* what was sent before this request has arrived, or never
+                                          will */
         d->expected_us = now_us;
     }
 }
@@ -534,8 +533,8 @@ static void watch_following(drive *d, const roburoc4_differential_status *s, boo
     }
 }
 
-/** Whether a status confirms the stop: made since the zeros arrived, it shows targets of 0. If it
- * has not shown the last speed yet, it may still show what was before that. */
+/** Whether a status confirms the stop: it shows targets of 0, and was made so long after a zero was
+ * due that it would show a speed which the robot took before, although all zeros were lost. */
 static void watch_stop(drive *d, bool zero, bool released, const roburoc4_private_link *l,
                        uint32_t now_us) {
     const uint32_t index = STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL);
@@ -544,7 +543,7 @@ static void watch_stop(drive *d, bool zero, bool released, const roburoc4_privat
     } else if (!d->overridden && d->in_flight == IN_FLIGHT_NONE && d->zeros_sent >= STOP_ZEROS &&
                d->confirmed != CONFIRMED &&
                now_us - d->expected_us >=
-                   roburoc4_link_age_at_arrival(l, index) + (d->echo_due ? SHOWN_AFTER_US : 0)) {
+                   roburoc4_link_age_at_arrival(l, index) + SHOWN_AFTER_US) {
         if (d->confirmed == UNCONFIRMED) {
             d->shown_cycles = (uint32_t)l->services[index].robot_cycles;
         }

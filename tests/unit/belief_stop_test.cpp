@@ -385,6 +385,27 @@ TEST_F(StopBelief, IsNotConfirmedBeforeAShortSpeedIsShown) {
     EXPECT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
 }
 
+/** Its zeros are lost, and statuses show targets late. */
+TEST_F(StopBelief, IsNotConfirmedBeforeAnEarlierSpeedIsShown) {
+    for (const bool again : {false, true}) {
+        SCOPED_TRACE(again ? "the stop is interrupted by a lease" : "the lease ends with zeros");
+        ResumingRobot fresh;
+        robot = fresh;
+        Bench late(robot);
+        late.armed();
+        late.drop_to_robot = is_command;
+        ASSERT_NO_FATAL_FAILURE(late.driving(1, 0, 50 * ms));
+        if (again) {
+            late.pause();
+            late.run(20 * ms);
+        }
+        ASSERT_NO_FATAL_FAILURE(late.driving(again ? 1.0F : 0, 0, 70 * ms));
+        late.pause();
+        late.run(190 * ms);
+        EXPECT_EQ(ROBUROC4_STOP_RUNNING, late.facts().stop_outcome);
+    }
+}
+
 TEST_F(StopBelief, IsNotConfirmedBeforeItIsKnownWhichInputTheOverrideIs) {
     robot.texts_silent = true;
     bench.ready();
@@ -462,7 +483,7 @@ TEST_F(StopBelief, IsConfirmedSoonWhereAllArrives) {
         ASSERT_NO_FATAL_FAILURE(
             bench.driving(1, 0, second + static_cast<std::uint64_t>(i) * 7 * ms));
         bench.pause();
-        bench.run(210 * ms);
+        bench.run(300 * ms);
         ASSERT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome) << i;
     }
 }

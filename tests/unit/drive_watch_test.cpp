@@ -315,7 +315,7 @@ TEST(Inhibited, DisarmsWhenTheRobotDoesNotFollow) {
                   bench.drive_until_refused(c.target[0], c.target[1], c.within_us - 800 * ms));
         EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_INHIBITED);
         const std::uint64_t at_us = bench.now_us;
-        bench.run(200 * ms);
+        bench.run(300 * ms);
         EXPECT_EQ(0, bench.facts().inhibited) << "no speed is commanded any more";
         EXPECT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome) << "of the targets";
         robot.current_linear = robot.current_angular = 0;

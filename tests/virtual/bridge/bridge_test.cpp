@@ -425,7 +425,7 @@ TEST_F(Bridge, ASignalStopsTheRobotAtOnceAndEndsTheBridge) {
         end(number);
         bridge_->join();
         EXPECT_EQ(status_, 0);
-        EXPECT_LE(sys.now_us, asked_us + 200 * kMs) << "the robot has confirmed";
+        EXPECT_LE(sys.now_us, asked_us + 300 * kMs) << "the robot has confirmed";
         EXPECT_EQ(state()->state, ROBUROC4_STATE_IDLE) << "the last state is the end";
         sleep_ms(1);
         expect_stopped_at(asked_us);
