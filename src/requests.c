@@ -475,5 +475,4 @@ void roburoc4_requests_rebase(requests *r, uint32_t now_us) {
     for (uint32_t i = 0; i < SLOTS; i++) {
         r->slots[i].sent_us = now_us - r->slots[i].wait_us;
     }
-    r->quiet = 0;
 }
