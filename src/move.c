@@ -310,12 +310,14 @@ static float seconds_from(uint64_t before_cycles, uint64_t cycles) {
     return before_cycles == 0 || passed > 1000 ? 0 : (float)(int32_t)passed * 0.01F;
 }
 
-/** Count a distance and an angle; `across_m` is to the left. */
+/** Count a distance and an angle; `across_m` is to the left. Beside an arc, the way along it is
+ * longer or shorter than that of the robot. */
 static void cover(roburoc4_move *m, float distance_m, float across_m, float angle_rad) {
     const float bend = curvature(m);
+    const float along_m = distance_m * (1 + within(bend * m->private_aside_m, 0.5F));
     const float astray = m->private_covered[ANGLE] - bend * m->private_covered[LENGTH];
-    m->private_aside_m += distance_m * (astray + 0.5F * (angle_rad - bend * distance_m)) + across_m;
-    m->private_covered[LENGTH] += distance_m;
+    m->private_aside_m += distance_m * (astray + 0.5F * (angle_rad - bend * along_m)) + across_m;
+    m->private_covered[LENGTH] += along_m;
     m->private_covered[ANGLE] += angle_rad;
     m->distance_m += distance_m;
     m->angle_rad += angle_rad;

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <random>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -289,6 +290,24 @@ TEST_F(Move, AnArcKeepsItsRadius) {
         EXPECT_NEAR(side * 1.0, aside(), 0.03) << side;
         EXPECT_NEAR(side * pi / 2, turned(), 2 * degree) << side;
         EXPECT_LE(most_angular, 0.55);
+    }
+}
+
+TEST_F(Move, CirclesCloseHoweverUnevenlyTheyAreStepped) {
+    std::mt19937 random(20261127);
+    const auto draw = [&random](double least, double most) {
+        return std::uniform_real_distribution<double>(least, most)(random);
+    };
+    for (int i = 0; i < 10; i++) {
+        const double radius_m = draw(0.2, 0.6), longest_us = draw(0, 70000);
+        const double turn = i % 2 == 0 ? 2 * pi : -2 * pi;
+        SCOPED_TRACE(std::to_string(radius_m) + " m, " + std::to_string(longest_us) + " us");
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, static_cast<float>(radius_m * 2 * pi),
+                                                static_cast<float>(turn), &options));
+        ASSERT_EQ(ROBUROC4_MOVE_REACHED,
+                  go([&] { pass(static_cast<std::uint64_t>(draw(0, longest_us))); }));
+        EXPECT_NEAR(0, ahead(), 0.02);
+        EXPECT_NEAR(0, aside(), 0.02);
     }
 }
 
