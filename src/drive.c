@@ -533,8 +533,9 @@ static void watch_following(drive *d, const roburoc4_differential_status *s, boo
     }
 }
 
-/** Whether a status confirms the stop: it shows targets of 0, and was made so long after a zero was
- * due that it would show a speed which the robot took before, although all zeros were lost. */
+/** Whether a status confirms the stop: it shows targets of 0, and was made so long after the answer
+ * to a request that followed a zero that it would show any speed from before, although all zeros
+ * were lost. */
 static void watch_stop(drive *d, bool zero, bool released, const roburoc4_private_link *l,
                        uint32_t now_us) {
     const uint32_t index = STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL);
@@ -542,8 +543,7 @@ static void watch_stop(drive *d, bool zero, bool released, const roburoc4_privat
         d->confirmed = UNCONFIRMED;
     } else if (!d->overridden && d->in_flight == IN_FLIGHT_NONE && d->zeros_sent >= STOP_ZEROS &&
                d->confirmed != CONFIRMED &&
-               now_us - d->expected_us >=
-                   roburoc4_link_age_at_arrival(l, index) + SHOWN_AFTER_US) {
+               now_us - d->expected_us >= roburoc4_link_age_at_arrival(l, index) + SHOWN_AFTER_US) {
         if (d->confirmed == UNCONFIRMED) {
             d->shown_cycles = (uint32_t)l->services[index].robot_cycles;
         }
