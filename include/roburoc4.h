@@ -153,7 +153,7 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 /** How the last stop sequence ended: stop_outcome of roburoc4_facts. */
 #define ROBUROC4_STOP_NONE 0       /* none was sent yet */
 #define ROBUROC4_STOP_RUNNING 1    /* it has not ended */
-#define ROBUROC4_STOP_CONFIRMED 2  /* the zeros arrived, and a later status shows both targets 0 */
+#define ROBUROC4_STOP_CONFIRMED 2  /* a status from well after the zeros shows both targets 0 */
 #define ROBUROC4_STOP_TIMED_OUT 3  /* robot_watchdog_ms passed without that */
 #define ROBUROC4_STOP_OVERRIDDEN 4 /* [A] was held, so the robot may have ignored the zeros */
 
@@ -298,9 +298,9 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
 
 /* Motion. A drive command is a lease: the target holds for lease_us unless it is renewed. However
  * driving ends (lease over, pause, stop, or an automatic disarm), the stop sequence follows: zero
- * commands, one per drive period, at least three, until they are known to have arrived, because the
- * robot answered a request that was sent after the first, and a status made since shows both
- * targets 0, or until robot_watchdog_ms has passed. Nothing confirms it while [A] is held, or not
+ * commands, one per drive period, at least three, until the robot has answered a request that was
+ * sent after the first, and a status made at least 160 ms later, when it would show a speed from
+ * before, shows both targets 0, or until robot_watchdog_ms has passed. Nothing confirms it while [A] is held, or not
  * known yet; it is sent again when [A] is released, and for as long as a status of at most 2 s
  * shows a target of ours without a lease. A new lease waits for its end. The first zero after a
  * speed is sent at once; all other commands are at least a robot cycle (10 ms) apart. */

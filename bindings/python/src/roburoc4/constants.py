@@ -190,7 +190,7 @@ class StopOutcome(IntEnum):
     RUNNING = 1
     """It has not ended."""
     CONFIRMED = 2
-    """The zeros arrived, and a later status shows targets of 0."""
+    """A status from well after the zeros shows targets of 0."""
     TIMED_OUT = 3
     """The robot did not show that in time."""
     OVERRIDDEN = 4
