@@ -300,10 +300,11 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
  * driving ends (lease over, pause, stop, or an automatic disarm), the stop sequence follows: zero
  * commands, one per drive period, at least three, until the robot has answered a request that was
  * sent after the first, and a status made at least 160 ms later, when it would show a speed from
- * before, shows both targets 0, or until robot_watchdog_ms has passed. Nothing confirms it while [A] is held, or not
- * known yet; it is sent again when [A] is released, and for as long as a status of at most 2 s
- * shows a target of ours without a lease. A new lease waits for its end. The first zero after a
- * speed is sent at once; all other commands are at least a robot cycle (10 ms) apart. */
+ * before, shows both targets 0, or until robot_watchdog_ms has passed. Nothing confirms it while
+ * [A] is held, or not known yet; it is sent again when [A] is released, and for as long as a status
+ * of at most 2 s shows a target of ours without a lease. A new lease waits for its end. The first
+ * zero after a speed is sent at once; all other commands are at least a robot cycle (10 ms) apart.
+ */
 
 /** Allow driving. Returns 0, or the first reason against it: ROBUROC4_ERR_NOT_READY,
  *  _NO_DIFFERENTIAL, _LIMITS, _NOT_SUBSCRIBED, _STALE_DIFFERENTIAL, _STALE_IOCARD,
