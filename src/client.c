@@ -322,9 +322,11 @@ static void tick(client *c) {
 }
 
 /** Everything that may be due, the most urgent first. */
-static roburoc4_result poll_all(client *c, uint8_t *buffer, size_t capacity) {
+APART roburoc4_result poll_all(client *c, uint8_t *buffer, size_t capacity, uint64_t now_us) {
     float speeds[2];
     roburoc4_result length = 0;
+    begin_call(c, now_us);
+    c->private_timer.wait_us = UINT32_MAX;
     tick(c);
     if (roburoc4_drive_poll(&c->private_drive, &c->private_config, &c->private_values.limits,
                             &c->private_timer, speeds, &c->private_events)) {
@@ -342,6 +344,11 @@ static roburoc4_result poll_all(client *c, uint8_t *buffer, size_t capacity) {
             length = roburoc4_schedule_poll(c, buffer, capacity);
         }
     }
+    if (length > 0) {
+        count_up(c, ROBUROC4_COUNT_SENT);
+    } else { /* it asked of everything whether it is due */
+        c->private_idle_until_us = now_us + c->private_timer.wait_us;
+    }
     return length;
 }
 
@@ -357,15 +364,7 @@ roburoc4_result roburoc4_client_poll_transmit(client *c, uint8_t *buffer, size_t
         see_time(c, now_us);
         return 0; /* nothing changed since this deadline was computed */
     }
-    begin_call(c, now_us);
-    c->private_timer.wait_us = UINT32_MAX;
-    const roburoc4_result length = poll_all(c, buffer, capacity);
-    if (length > 0) {
-        count_up(c, ROBUROC4_COUNT_SENT);
-    } else { /* it asked of everything whether it is due */
-        c->private_idle_until_us = now_us + c->private_timer.wait_us;
-    }
-    return length;
+    return poll_all(c, buffer, capacity, now_us);
 }
 
 uint64_t roburoc4_client_next_deadline(const client *c) {

@@ -49,6 +49,13 @@ typedef roburoc4_private_values values;
 #define WITH_FIXED_ID true
 #endif
 
+/* A function that its caller seldom needs: inlined, it would cost that one its registers. */
+#if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define APART static __attribute__((noinline))
+#else
+#define APART static
+#endif
+
 /* ---- time ---- */
 
 /* Whenever the time passes a multiple of two to the power of AGES_BITS, no age is longer than
