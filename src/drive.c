@@ -539,11 +539,12 @@ static void watch_following(drive *d, const roburoc4_differential_status *s, boo
 static void watch_stop(drive *d, bool zero, bool released, const roburoc4_private_link *l,
                        uint32_t now_us) {
     const uint32_t index = STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL);
+    const uint32_t since_us = now_us - d->expected_us;
     if (!zero) {
         d->confirmed = UNCONFIRMED;
     } else if (!d->overridden && d->in_flight == IN_FLIGHT_NONE && d->zeros_sent >= STOP_ZEROS &&
-               d->confirmed != CONFIRMED &&
-               now_us - d->expected_us >= roburoc4_link_age_at_arrival(l, index) + SHOWN_AFTER_US) {
+               d->confirmed != CONFIRMED && since_us >= SHOWN_AFTER_US &&
+               since_us - SHOWN_AFTER_US >= roburoc4_link_age_at_arrival(l, index)) {
         if (d->confirmed == UNCONFIRMED) {
             d->shown_cycles = (uint32_t)l->services[index].robot_cycles;
         }

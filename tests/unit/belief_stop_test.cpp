@@ -385,6 +385,18 @@ TEST_F(StopBelief, IsNotConfirmedBeforeAShortSpeedIsShown) {
     EXPECT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
 }
 
+TEST_F(StopBelief, IsNotConfirmedByStatusesOfUnknownAge) {
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 500 * ms));
+    bench.pause();
+    for (int i = 0; i < 900; i++) { /* no answer proves how old they are */
+        bench.client.private_link.floor_age_us = UINT32_MAX;
+        bench.client.private_link.answered = 0;
+        bench.run(ms);
+    }
+    EXPECT_EQ(ROBUROC4_STOP_RUNNING, bench.facts().stop_outcome);
+}
+
 /** Its zeros are lost, and statuses show targets late. */
 TEST_F(StopBelief, IsNotConfirmedBeforeAnEarlierSpeedIsShown) {
     for (const bool again : {false, true}) {
