@@ -192,6 +192,18 @@ static bool open_first_delete(client *c) {
     return open_first(c, ROBUROC4_ACTION_DELETE, c->private_subscriptions.leaving) != 0;
 }
 
+/** Ask for the directory: to connect, or in closing to prove that zeros arrived. In fixed-id mode
+ * an answer may not prove it, and then the next request waits. */
+static bool open_directory(client *c) {
+    roburoc4_private_schedule *s = &c->private_schedule;
+    if (c->private_state == ROBUROC4_STATE_CLOSING &&
+        !due(&c->private_timer, s->probe_us, c->private_config.first_retry_ms * MS)) {
+        return false;
+    }
+    s->probe_us = c->private_timer.now_us;
+    return open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_FOREVER);
+}
+
 /** Open the most urgent request that is not open yet. */
 static bool open_next(client *c) {
     switch (c->private_state) {
@@ -205,8 +217,8 @@ static bool open_next(client *c) {
     case ROBUROC4_STATE_READY:
         return open_pose(c) || open_properties(c) || open_first_insert(c) || open_first_delete(c) ||
                open_probe_or_text(c);
-    default: /* connecting, lost */
-        return open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_FOREVER);
+    default: /* connecting, lost, closing */
+        return open_directory(c);
     }
 }
 

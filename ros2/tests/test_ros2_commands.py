@@ -260,10 +260,10 @@ def test_a_stop_that_loses_against_another_commander_says_so_once(
 ) -> None:
     with topics.simulator.connect() as other:
         other.arm()
-        for at in range(200):
+        for at in range(300):
             other.drive(0.3, 0.0)
             topics.step(later_s)
-            if at % 5 == 0 and 60 <= at < 60 + 5 * stops:
+            if at % 10 == 0 and 60 <= at < 60 + 10 * stops:
                 topics.commands.stop(JOY)
             topics.step(0.05 - later_s)
     (note,) = [note for note in topics.notes if "another commander" in note]

@@ -572,6 +572,29 @@ TEST_F(StopBelief, InFixedIdModeIsNotConfirmedWhileItsZerosAreOnTheirWay) {
     EXPECT_EQ(ROBUROC4_STOP_RUNNING, told.facts().stop_outcome);
 }
 
+/** The client does not find its service again, and no answer proves that the zeros arrived. */
+TEST_F(StopBelief, OfAClosingClientInFixedIdModeIsNotAskedForWithoutPause) {
+    roburoc4_config config = default_config();
+    config.robot_watchdog_ms = 5000;
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
+    ResumingRobot partner;
+    partner.always_manual_id = true;
+    Bench closing(partner, config);
+    closing.ready();
+    ASSERT_TRUE(
+        closing.run_until([&] { return closing.facts().descriptions_done == 1; }, 60 * second));
+    ASSERT_EQ(ROBUROC4_OK, closing.arm());
+    ASSERT_EQ(1, closing.facts().fixed_id);
+    ASSERT_NO_FATAL_FAILURE(closing.driving(1, 0, 200 * ms));
+    partner.set_cycles(partner.cycles() + 100000); /* it seems to have restarted */
+    ASSERT_TRUE(
+        closing.run_until([&] { return closing.facts().state != ROBUROC4_STATE_READY; }, second));
+    closing.close();
+    const std::size_t before = closing.sent.size();
+    closing.run(4 * second);
+    EXPECT_LE(closing.sent.size() - before, 150U); /* 80 of them zeros */
+}
+
 /** The zeros are lost, and a subscription is requested before the stop and again; one is answered.
  */
 TEST_F(StopBelief, IsProvenOnlyByWhatIsCertainlyTheAnswerToALaterRequest) {
