@@ -159,7 +159,7 @@ def _stop_from(robot: Robot, speed: float, check: Callable[[], None]) -> float:
         robot.sleep(_RENEW_S)
     began = robot.wait_for("differential").robot_cycles
     robot.pause()
-    robot.rest(timeout=10.0)  # of which one that the manual allows may need more than 5
+    robot.rest(timeout=10.0)  # slow robots need more than 5 s
     rested = robot.wait_for("differential").robot_cycles
     begin = end = next(poses)
     while end.robot_cycles < rested:
