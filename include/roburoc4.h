@@ -504,8 +504,9 @@ ROBUROC4_API roburoc4_result roburoc4_client_set_analog_output(roburoc4_client *
  *  The same after a time without fresh statuses (ROBUROC4_ERR_STALE_DIFFERENTIAL, or _TIMEOUT
  *  without an answer), or where the robot refuses (_ROBOT). A later call replaces it; in fixed-id
  *  mode (`fixed_id`) call it after the end of the one before, whose late answer would count. It
- * ends with ROBUROC4_EVENT_RELOCALIZED or _RELOCALIZE_FAILED. ROBUROC4_ERR_NOT_FINITE, _NOT_READY,
- * _UNKNOWN (no localization service). */
+ * ends with ROBUROC4_EVENT_RELOCALIZED or _RELOCALIZE_FAILED; repeats that a queue still holds then
+ * set the pose again when they arrive. ROBUROC4_ERR_NOT_FINITE, _NOT_READY, _UNKNOWN (no
+ * localization service). */
 ROBUROC4_API roburoc4_result roburoc4_client_relocalize(roburoc4_client *client, double x_m,
                                                         double y_m, double theta_rad,
                                                         uint64_t now_us);
