@@ -72,7 +72,7 @@ extern "C" {
 
 /** Set the size of a struct that begins with it; the value is the struct's address.
  *  roburoc4_client_facts(&client, now_us, ROBUROC4_SIZED(&facts)) */
-#define ROBUROC4_SIZED(out) ((out)->size = (uint32_t)sizeof *(out), (out))
+#define ROBUROC4_SIZED(out) ((out)->size = sizeof *(out), (out))
 
 /* ------------------------------------------------------------------------------- versions --- */
 

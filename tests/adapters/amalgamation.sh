@@ -12,7 +12,7 @@ portable=$root/tests/verify/portable
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 sh "$root/scripts/amalgamate" "$folder"
-warnings='-std=c99 -Wall -Wextra -Werror -I'"$folder"
+warnings='-std=c99 -Wall -Wextra -Wshadow -Werror -I'"$folder"
 # The flags and the files are lists of words.
 # shellcheck disable=SC2086
 {
