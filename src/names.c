@@ -46,7 +46,7 @@ static const char motion[] =
     "game pad input unknown: wait a minute for its text, else set override_index or "
     "allow_unknown_override\0"
     "game pad override: release [A] on the game pad\0"
-    "the robot is moving: wait until it is at rest\0"
+    "the robot is moving, or has a target: wait until it is at rest, or stop it\0"
     "another client commands the robot: end the other program\0"
     "the robot fell silent: check cable and power\0"
     "the robot restarted: check it, then arm again\0"

@@ -201,7 +201,8 @@ const struct {
      "game pad input unknown: wait a minute for its text, else set override_index or "
      "allow_unknown_override"},
     {ROBUROC4_ERR_OVERRIDE, "game pad override: release [A] on the game pad"},
-    {ROBUROC4_ERR_MOVING, "the robot is moving: wait until it is at rest"},
+    {ROBUROC4_ERR_MOVING,
+     "the robot is moving, or has a target: wait until it is at rest, or stop it"},
     {ROBUROC4_ERR_OTHER_COMMANDER, "another client commands the robot: end the other program"},
     {ROBUROC4_ERR_LOST, "the robot fell silent: check cable and power"},
     {ROBUROC4_ERR_REBOOT, "the robot restarted: check it, then arm again"},

@@ -106,7 +106,7 @@ def why_not_armed(code: int) -> str:
     if code == Result.LAPSED:
         return "inputs came too late, so the robot was stopped: arm it again"
     if code == Result.MOVING:
-        return "the robot moves, or has a target: wait until it is at rest"
+        return "the robot moves, or has a target: wait until it is at rest, or stop it"
     if code == Result.OVERRIDE_UNKNOWN:
         return (
             "it is not known whether the robot's game pad is in use: run roburoc4 doctor, or start "
