@@ -470,7 +470,8 @@ class Scenario {
         const std::uint64_t patience_us = (!friendly() ? 5 : slow ? 180 : 90) * second;
         std::int32_t result = -1;
         while (!violated() && result < 0 && world_.now_us() - calm_us < patience_us) {
-            if (result == ROBUROC4_ERR_OTHER_COMMANDER) { /* a target that it left behind */
+            if (result == ROBUROC4_ERR_OTHER_COMMANDER ||
+                result == ROBUROC4_ERR_MOVING) { /* a target that it left behind */
                 world_.stop();
                 world_.run_for(second);
             }
