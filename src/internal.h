@@ -158,6 +158,7 @@ void roburoc4_requests_cancel_all(requests *r, uint32_t now_us);
 /** Whether another request may be opened now with `keep` left free after it. */
 bool roburoc4_requests_has_room(const requests *r, uint32_t keep);
 /** Whether a text may be requested now. */
+bool roburoc4_requests_text_open(const requests *r);
 bool roburoc4_requests_has_room_for_text(const requests *r);
 bool roburoc4_requests_is_open(const requests *r, const ask *a);
 /** Open a request; false if it is open already or there is no room. */

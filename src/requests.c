@@ -52,7 +52,7 @@ static bool texts_are_doubtful(const requests *r) {
     return in_fixed_id_mode(r) || r->single_texts;
 }
 
-static bool text_open(const requests *r) {
+bool roburoc4_requests_text_open(const requests *r) {
     for (uint32_t i = 0; i < SLOTS; i++) {
         if (r->slots[i].open && is_text(&r->slots[i])) {
             return true;
@@ -182,7 +182,7 @@ static uint8_t next_id(requests *r, const slot *s) {
  * answer may be to another one; then NULL. */
 static slot *go_to_fixed_id(requests *r, const slot *only, uint32_t now_us) {
     const slot kept = *only;
-    const bool texts = text_open(r);
+    const bool texts = roburoc4_requests_text_open(r);
     roburoc4_requests_clear(r);
     r->fixed_id = 1;
     r->announce = 1;

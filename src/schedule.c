@@ -176,6 +176,13 @@ static bool open_pose(client *c) {
            open_about(c, ROBUROC4_ACTION_REPLACE, ROBUROC4_SERVICE_LOCALIZATION, REQUEST_TRIES);
 }
 
+/** An error that does not name its request may be about a text or a probe: then only one of them is
+ * open, unless the robot moves, or may. */
+static bool probe_waits(const client *c) {
+    return c->private_requests.single_texts && roburoc4_requests_text_open(&c->private_requests) &&
+           !c->private_drive.armed && !c->private_drive.stopping;
+}
+
 /** The probe, else a text. Where one request at a time is open, and the robot is slow, probes are
  * always due: then they take turns. */
 static bool open_probe_or_text(client *c) {
@@ -183,6 +190,9 @@ static bool open_probe_or_text(client *c) {
     const bool text_first = s->text_first && in_fixed_id_mode(&c->private_requests);
     if (texts_wait(c)) {
         return open_probe(c);
+    }
+    if (probe_waits(c)) {
+        return false;
     }
     s->text_first = 0;
     return (text_first && open_text(c, TEXTS_ALL)) || open_probe(c) || open_text(c, TEXTS_ALL);

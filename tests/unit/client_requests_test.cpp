@@ -405,6 +405,33 @@ TEST(ErrorTelegram, RefusesNoTextFasterThanTheRobotGivesTexts) {
     EXPECT_EQ(next, asked.back()) << "it is requested again";
 }
 
+/** It refuses each text by one byte, which may be about a probe, too. */
+TEST(ErrorTelegram, RefusesTheTextsOfASlowRobotInTime) {
+    for (std::uint64_t takes_us = 140 * ms; takes_us < 154 * ms; takes_us += 2 * ms) {
+        SCOPED_TRACE(takes_us);
+        ScriptedRobot robot;
+        std::uint64_t asked_us = 0, now_us = 0;
+        robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &) {
+            if (r.action != ROBUROC4_ACTION_QUERY || r.service == 0)
+                return false;
+            asked_us = asked_us != 0 ? asked_us : now_us;
+            return true; /* the test answers */
+        };
+        Bench bench(robot);
+        bench.delay_to_client = [] { return 10 * ms; };
+        bench.start();
+        ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+        for (; now_us < 120 * second && bench.facts().descriptions_done == 0; now_us += ms) {
+            bench.run(ms);
+            if (asked_us != 0 && now_us - asked_us >= takes_us) {
+                asked_us = 0;
+                bench.receive({0});
+            }
+        }
+        EXPECT_LT(now_us, 60 * second);
+    }
+}
+
 /** A copy of its refusal, which names nothing, comes when a text was just requested. */
 TEST(ErrorTelegram, OfAnotherRequestRefusesNoText) {
     ScriptedRobot robot;
@@ -449,7 +476,9 @@ TEST(ErrorTelegram, EndsAllTextRequestsForAWhile) {
     bench.run(50 * ms);
     EXPECT_EQ(before + 1, texts()) << "one at a time";
     robot.instead = [](const roburoc4_request &, std::vector<Bytes> &) { return true; };
-    bench.run(second); /* a probe is sent */
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_subscribe(&bench.client, ROBUROC4_SERVICE_BATTERY, 2000,
+                                                     bench.client_us()));
+    bench.run(10 * ms);
     EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive({0})) << "it may refuse either";
 }
 
