@@ -228,7 +228,7 @@ class Drives:
 
         def moves(state):
             nonlocal pressed
-            if state.target_m_s == 0 and state.cycles - pressed > 20:
+            if state.target_m_s == 0 and state.cycles - pressed > 60:
                 board.press("x" + key)
                 pressed = state.cycles
             return state.speed_m_s > 0.09 * int(key)
