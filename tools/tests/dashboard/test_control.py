@@ -307,8 +307,9 @@ def test_after_a_lease_that_ran_out_inputs_must_be_released_once(scene: Scene) -
     assert "let go" in scene.control.why
     scene.drive(0, scene.show(), 0.0)
     assert scene.control.why == ""
-    scene.drive(0, scene.show(), 0.5)
-    scene.sim.step(0.2)
+    for _ in range(6):  # until the stop before is confirmed
+        scene.drive(0, scene.show(), 0.5)
+        scene.sim.step(0.1)
     assert scene.driven
 
 
