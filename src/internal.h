@@ -49,7 +49,7 @@ typedef roburoc4_private_values values;
 #define WITH_FIXED_ID true
 #endif
 
-/* A function that its caller seldom needs: inlined, it would cost that one its registers. */
+/* Seldom called, and so kept out of its caller, which would save registers for it each time. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
 #define APART static __attribute__((noinline))
 #else

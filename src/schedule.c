@@ -176,8 +176,8 @@ static bool open_pose(client *c) {
            open_about(c, ROBUROC4_ACTION_REPLACE, ROBUROC4_SERVICE_LOCALIZATION, REQUEST_TRIES);
 }
 
-/** An error that does not name its request may be about a text or a probe: then only one of them is
- * open, unless the robot moves, or may. */
+/** Where errors do not name their request, one that comes while a text and a probe are open refuses
+ * neither. So a probe waits for the text, unless the robot may move. */
 static bool probe_waits(const client *c) {
     return c->private_requests.single_texts && roburoc4_requests_text_open(&c->private_requests) &&
            !c->private_drive.armed && !c->private_drive.stopping;

@@ -12,7 +12,7 @@
 #endif
 
 #define NAP_MS 20
-/* A client has 300 ms for a status, of which up to 200 are periods and pauses that are tested. */
+/* A program gives up after 300 ms without a status: two such stalls in a row can cause that. */
 #define TOO_LATE_MS 100
 #define PROCESSORS 64U
 
