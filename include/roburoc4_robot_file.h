@@ -64,7 +64,7 @@ ROBUROC4_API const char *roburoc4_robot_file_name(uint32_t index);
 ROBUROC4_API roburoc4_result roburoc4_robot_file_get(const roburoc4_robot_file *file,
                                                      const char *name, float *out);
 /** Set the value of a name. ROBUROC4_ERR_INDEX: there is no such name; ROBUROC4_ERR_ARGUMENT: not
- *  in its range. */
+ *  in its range, or the id of another service. */
 ROBUROC4_API roburoc4_result roburoc4_robot_file_set(roburoc4_robot_file *file, const char *name,
                                                      float value);
 /** Change what is known of the robot in a client's configuration: ids of IO card and differential

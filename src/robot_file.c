@@ -166,12 +166,23 @@ roburoc4_result roburoc4_robot_file_get(const roburoc4_robot_file *file, const c
     return ROBUROC4_OK;
 }
 
+/** Whether another service has this id. */
+static bool id_is_taken(const roburoc4_robot_file *file, uint32_t index, float id) {
+    for (uint32_t other = 0; index < 5 && other < 5; other++) {
+        if (other != index && is_known(file, other) &&
+            order_of(file->private_values[other]) == order_of(id)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 roburoc4_result roburoc4_robot_file_set(roburoc4_robot_file *file, const char *name, float value) {
     const uint32_t index = find(name, strlen(name));
     if (index == ROWS) {
         return ROBUROC4_ERR_INDEX;
     }
-    if (!fits(&rows[index], value)) {
+    if (!fits(&rows[index], value) || id_is_taken(file, index, value)) {
         return ROBUROC4_ERR_ARGUMENT;
     }
     keep_value(file, index, value);
@@ -259,10 +270,8 @@ static const char *read_line(roburoc4_robot_file *file, span line) {
     if (!read_number(value, &number) || !fits(&rows[index], number)) {
         return rows[index].remedy;
     }
-    for (uint32_t other = 0; index < 5 && other < 5; other++) {
-        if (is_known(file, other) && order_of(file->private_values[other]) == order_of(number)) {
-            return same_ids;
-        }
+    if (id_is_taken(file, index, number)) {
+        return same_ids;
     }
     keep_value(file, index, number);
     return NULL;

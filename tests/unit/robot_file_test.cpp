@@ -144,9 +144,14 @@ TEST(RobotFile, ValuesBeyondTheirRangeAreNotSet) {
     EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_robot_file_set(&file, "nonsense", 1));
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_robot_file_set(&file, "override_index", 1.5F));
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_robot_file_set(&file, "robot_watchdog_ms", 99));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_robot_file_set(&file, "iocard_id", 7));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_robot_file_set(&file, "iocard_id", 7));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_robot_file_set(&file, "differential_id", 7));
     char text[ROBUROC4_ROBOT_FILE_SIZE];
     EXPECT_EQ(ROBUROC4_OK, roburoc4_robot_file_set(&file, "max_linear_m_s", 2.999999F));
     EXPECT_NE(std::string::npos, text_of(file).find("max_linear_m_s = 3\n")) << "rounded";
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_robot_file_set(&file, "telemeter_turn_rad", -0.5F));
+    EXPECT_NE(std::string::npos, text_of(file).find("telemeter_turn_rad = -0.5\n"));
     EXPECT_EQ(ROBUROC4_OK, roburoc4_robot_file_set(&file, "robot_watchdog_ms", 60000));
     const roburoc4_result length = roburoc4_robot_file_write(&file, text, sizeof text);
     EXPECT_EQ(ROBUROC4_ERR_BUFFER,
