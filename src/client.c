@@ -253,6 +253,9 @@ roburoc4_result roburoc4_client_close(client *c, uint64_t now_us) {
     if (c->private_state == ROBUROC4_STATE_IDLE) {
         return ROBUROC4_ERR_STATE;
     }
+    if (c->private_state == ROBUROC4_STATE_CLOSING) {
+        return ROBUROC4_OK;
+    }
     begin_call(c, now_us);
     roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_DISARMED);
     c->private_drive.stop_pending = 0;
