@@ -32,8 +32,9 @@
 #define DOUBT_AFTER (2 * MANUAL_ID_EVERY)
 /* Values of quiet: what has to wait in fixed-id mode. */
 enum { QUIET_NOTHING, QUIET_TEXTS, QUIET_ALL };
-/* Values of id_mode: which ids the robot has answered so far. */
-enum { ANSWERED_NONE, ANSWERED_MANUAL_ID, ANSWERED_ANY_ID };
+/* Values of id_mode: which ids the robot has answered so far. If a robot that answered any may be
+ * another one now, the next connection will tell. */
+enum { ANSWERED_NONE, ANSWERED_MANUAL_ID, ANSWERED_ANY_ID, ANSWERED_PERHAPS_ANY_ID };
 
 void roburoc4_requests_clear(requests *r) {
     const uint8_t last_id = r->last_id; /* continues: late answers must not match */
@@ -311,8 +312,10 @@ static void note_answered_id(requests *r, const slot *s) {
     if (s->id != ROBUROC4_HEADER_MANUAL) {
         r->id_mode = ANSWERED_ANY_ID;
         r->fixed_id = 0;
-    } else if (r->id_mode != ANSWERED_ANY_ID || s->tries >= DOUBT_AFTER) {
+    } else if (r->id_mode < ANSWERED_ANY_ID || s->tries >= DOUBT_AFTER) {
         r->id_mode = ANSWERED_MANUAL_ID;
+    } else {
+        r->id_mode = ANSWERED_PERHAPS_ANY_ID;
     }
 }
 

@@ -1050,6 +1050,16 @@ TEST(FixedId, IsFoundForARobotThatReplacesTheFirst) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_FIXED_ID);
 }
 
+TEST(FixedId, IsFoundForARobotThatReplacesTheFirstAtOnce) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.only_manual_id = true;
+    robot.reboot();
+    EXPECT_TRUE(bench.run_until([&] { return bench.facts().fixed_id == 1; }, 60 * second));
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 10 * second));
+}
+
 TEST(FixedId, AnAmbiguousTextNamesNoService) {
     ScriptedRobot robot;
     robot.always_manual_id = true;
