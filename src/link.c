@@ -317,7 +317,8 @@ static uint32_t common_lateness(const roburoc4_private_link *l, uint32_t late_us
  *  by what all such pairs within a second agree on. */
 static void learn_age(roburoc4_private_link *l, uint32_t late_us, uint64_t now_us) {
     const uint32_t drifted = drifted_us(l, now_us);
-    const uint32_t proven_us = (uint32_t)now_us - l->asked_us + ROBUROC4_CYCLE_US;
+    const uint32_t passed_us = (uint32_t)now_us - l->asked_us; /* that or longer */
+    const uint32_t proven_us = passed_us < OLDEST_US ? passed_us + ROBUROC4_CYCLE_US : AGE_UNKNOWN;
     const uint32_t common_us = common_lateness(l, late_us, now_us);
     const uint32_t bound_us = sum(common_us + drifted, l->floor_age_us);
     const uint32_t excess_us = bound_us > proven_us ? bound_us - proven_us : 0;
