@@ -13,6 +13,8 @@
 /* A longer step means that the program was held up, so that nobody knows what was commanded. */
 #define STEP_MAX_US 250000U
 #define STILL_STATUSES 2
+/* So much later a robot shows what it was told last, if it is slow to begin. */
+#define SHOWN_CYCLES 40
 /* Nothing shorter has ever been a view. */
 #define VIEW_SIZE_1_0 120
 #define TWO_TURNS 12.57F
@@ -305,9 +307,12 @@ static uint32_t timeout_ms(const roburoc4_move *m, float profile_s) {
 /* ------------------------------------------------------------------------------------ odometry */
 
 /** Robot time since the last status; 0 for the first, and after a restart. */
-static float seconds_from(uint64_t before_cycles, uint64_t cycles) {
-    const uint64_t passed = cycles - before_cycles;
-    return before_cycles == 0 || passed > 1000 ? 0 : (float)(int32_t)passed * 0.01F;
+static uint32_t cycles_from(uint64_t before, uint64_t now) {
+    return before == 0 || now - before > 1000 ? 0 : (uint32_t)(now - before);
+}
+
+static float seconds_from(uint64_t before, uint64_t now) {
+    return (float)(int32_t)cycles_from(before, now) * 0.01F;
 }
 
 /** Count a distance and an angle; `across_m` is to the left. Beside an arc, the way along it is
@@ -334,8 +339,12 @@ static bool note_pose(roburoc4_move *m, const roburoc4_move_view *v) {
         const float heading = unfixed(m->private_pose[2]) + 0.5F * turned;
         const float ahead = sine_of(heading + PI_F / 2), left = sine_of(heading);
         const float distance_m = x * ahead + y * left, across_m = y * ahead - x * left;
-        const float most_m = disagreement[LENGTH] + 1.5F * passed_s * m->private_limit[LENGTH];
-        const float most_rad = disagreement[ANGLE] + 1.5F * passed_s * m->private_limit[ANGLE];
+        const float most_m =
+            disagreement[LENGTH] +
+            1.5F * passed_s * (m->private_limit[LENGTH] + magnitude(m->private_speed[LENGTH]));
+        const float most_rad =
+            disagreement[ANGLE] +
+            1.5F * passed_s * (m->private_limit[ANGLE] + magnitude(m->private_speed[ANGLE]));
         if (beyond(distance_m, most_m) || beyond(across_m, most_m) || beyond(turned, most_rad)) {
             return false;
         }
@@ -347,11 +356,19 @@ static bool note_pose(roburoc4_move *m, const roburoc4_move_view *v) {
     return true;
 }
 
+bool roburoc4_move_rolls(const roburoc4_move *m) {
+    return beyond(m->private_speed[LENGTH], rest_speed[LENGTH]) ||
+           beyond(m->private_speed[ANGLE], rest_speed[ANGLE]);
+}
+
 /** A differential status: add the distance since the last one. */
 static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
     const float speeds[BOTH] = {v->linear_m_s, v->angular_rad_s};
     const float passed_s = seconds_from(m->private_speed_cycles, v->speed_cycles);
+    const uint32_t told_cycles =
+        m->private_told_cycles + cycles_from(m->private_speed_cycles, v->speed_cycles);
     float covered[BOTH];
+    m->private_told_cycles = told_cycles < SHOWN_CYCLES ? (uint8_t)told_cycles : SHOWN_CYCLES;
     if (m->private_still < UINT8_MAX) {
         m->private_still++;
     }
@@ -360,7 +377,9 @@ static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
         covered[axis] = 0.5F * (speed + m->private_speed[axis]) * passed_s;
         m->private_by_speeds[axis] += covered[axis];
         m->private_speed[axis] = speed;
-        m->private_still = beyond(speed, rest_speed[axis]) ? 0 : m->private_still;
+    }
+    if (roburoc4_move_rolls(m)) {
+        m->private_still = 0;
     }
     m->private_speed_cycles = v->speed_cycles;
     if (!m->private_posed) {
@@ -571,11 +590,14 @@ static void propose(roburoc4_move *m, float passed_s, uint64_t now_us) {
                         ? m->private_share * m->private_goal[i]
                         : *speed[i] + within(wanted[i] - *speed[i], m->private_slope[i] * passed_s);
     }
+    if (!halted(m)) {
+        m->private_told_cycles = 0;
+    }
 }
 
 /** At the goal of the leg, and about to stay there. */
 static bool arrived(const roburoc4_move *m) {
-    const bool still = m->private_still >= STILL_STATUSES;
+    const bool still = m->private_still >= STILL_STATUSES && m->private_told_cycles == SHOWN_CYCLES;
     return halted(m) &&
            (m->private_kind == REST  ? still
             : m->private_kind == FOR ? still && m->private_first_us != 0
@@ -611,7 +633,7 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
     m->private_step_us = m->private_pose_us = now_us;
     m->private_per_pose[LENGTH] = is_zero(v->true_per_pose_m) ? 1 : v->true_per_pose_m;
     m->private_per_pose[ANGLE] = is_zero(v->true_per_pose_rad) ? 1 : v->true_per_pose_rad;
-    if (v->pose_cycles != 0) {
+    if (v->pose_cycles != 0 && !rest) {
         (void)note_pose(m, v);
         m->private_posed = 1;
     }

@@ -132,6 +132,9 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
                facts.armed) { /* the lease ended without this move */
         roburoc4_move_end(move, lapsed ? ROBUROC4_MOVE_LAPSED : ROBUROC4_MOVE_CANCELLED);
     } else {
+        if (facts.stopping) { /* what it was told before may not have arrived */
+            move->private_told_cycles = 0;
+        }
         view_client(&view, client, &facts);
         (void)roburoc4_move_advance(move, &view, now_us);
     }
@@ -139,7 +142,10 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
      * that disarmed itself has begun its stop sequence, and one that never drove commands nothing.
      */
     const bool ended = move->outcome != ROBUROC4_MOVE_RUNNING;
-    if (!lapsed && (ended ? facts.armed : move->private_kind == REST && !facts.stopping)) {
+    const bool stops = move->private_kind == REST && !facts.stopping &&
+                       (move->private_first_us == 0 || roburoc4_move_rolls(move));
+    if (!lapsed && (ended ? facts.armed : stops)) {
+        move->private_first_us = now_us;
         (void)roburoc4_client_pause(client, now_us);
     }
     if (move->outcome == ROBUROC4_MOVE_TIMEOUT && facts.other_commander) {

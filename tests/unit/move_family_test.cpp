@@ -65,6 +65,42 @@ class MoveFault : public testing::Test {
 
 } // namespace
 
+/* ----------------------------------------------------------------------------------- at rest */
+
+/** Robots that had hardly begun to follow when they were stopped. */
+TEST(MoveRest, IsReachedByARobotThatWillNotMoveAnyMore) {
+    std::uint64_t state = std::random_device{}();
+    std::printf("seed %llu\n", static_cast<unsigned long long>(state));
+    for (int i = 0; i < 200; i++) {
+        family_member member = family_member_drawn(&state);
+        member.noise_m_s = 0;
+        family_rig rig;
+        roburoc4_move move;
+        ASSERT_EQ(1, family_open(&rig, &member, state));
+        rig.loss = 0;
+        const float speed = i % 2 == 0 ? 1.0F : 0.2F;
+        const std::uint32_t ms = 10 + static_cast<std::uint32_t>(state % 200);
+        if (i % 4 < 2) {
+            ASSERT_EQ(ROBUROC4_OK,
+                      roburoc4_client_drive(&rig.client, speed, speed, 0, family_now_us(&rig)));
+            family_pass(&rig, ms);
+            roburoc4_move_rest(&move, nullptr);
+            while (roburoc4_move_step(&move, &rig.client, family_now_us(&rig)) ==
+                   ROBUROC4_MOVE_RUNNING)
+                family_pass(&rig, 10);
+        } else {
+            roburoc4_move_for(&move, speed, speed, 10 * ms, nullptr);
+            family_go(&rig, &move, 60000, nullptr, nullptr);
+        }
+        EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.outcome) << i;
+        for (int later = 0; later < 1000; later++) {
+            family_pass(&rig, 1);
+            EXPECT_LT(std::fabs(rig.robot.speed[0]), 0.05) << i;
+            EXPECT_LT(std::fabs(rig.robot.speed[1]), 0.1) << i;
+        }
+    }
+}
+
 /* ------------------------------------------------------------------------------ the witnesses */
 
 TEST_F(MoveFault, FrozenOdometryEndsIt) {
@@ -296,6 +332,7 @@ TEST(MoveFamily, ADrawnSampleOfRobotsMovesAsItShould) {
         family_member member = i % 3 == 0 ? family_member_drawn(&seed) : family_member_at(index);
         member.loss = i % 2 != 0 ? 0.2 : 0;
         const family_verdict verdict = family_judge(&member, seed, 0);
+        EXPECT_LE(verdict.reversals, 2U);
         if (verdict.fault != nullptr)
             family_print(&member, &verdict);
         else

@@ -1121,7 +1121,7 @@ TEST_F(MoveView, ATightArcSpeedsUpNoFasterThanItsTurnMay) {
 TEST_F(MoveView, OneStatusAtRestIsNotRest) {
     view.linear_m_s = 0.5F;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 10; i++)
         ASSERT_EQ(ROBUROC4_MOVE_RUNNING, step());
     view.linear_m_s = 0;
     EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
