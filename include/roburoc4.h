@@ -121,7 +121,7 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_EVENT_STATE 0x00000001        /* the state changed */
 #define ROBUROC4_EVENT_READY 0x00000002        /* became ready */
 #define ROBUROC4_EVENT_LOST 0x00000004         /* the robot fell silent */
-#define ROBUROC4_EVENT_REBOOT 0x00000008       /* the robot restarted */
+#define ROBUROC4_EVENT_REBOOT 0x00000008       /* the robot restarted, or seems to */
 #define ROBUROC4_EVENT_PROPERTIES 0x00000010   /* properties of a service are new or changed */
 #define ROBUROC4_EVENT_DESCRIPTION 0x00000020  /* a text arrived: roburoc4_client_description() */
 #define ROBUROC4_EVENT_IOCARD 0x00000040       /* a new status of this service */
@@ -148,7 +148,7 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_EVENT_ROLE 0x08000000    /* a text identified the input for a ROBUROC4_ROLE_* */
 #define ROBUROC4_EVENT_ARMABLE 0x10000000 /* arm() would now be accepted */
 #define ROBUROC4_EVENT_STOP_UNCONFIRMED                                                            \
-    0x20000000 /* a stop sequence ended without the robot's confirmation; see stop_outcome */
+    0x20000000 /* a stop sequence ended unconfirmed: see stop_outcome, until the next begins */
 
 /** How the last stop sequence ended: stop_outcome of roburoc4_facts. */
 #define ROBUROC4_STOP_NONE 0       /* none was sent yet */
@@ -299,11 +299,12 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
 /* Motion. A drive command is a lease: the target holds for lease_us unless it is renewed. However
  * driving ends (lease over, pause, stop, or an automatic disarm), the stop sequence follows: zero
  * commands, one per drive period, at least three, until the robot has answered a request that was
- * sent after the first, and a status made at least 160 ms later, when it would show a speed from
- * before, shows both targets 0, or until robot_watchdog_ms has passed. Nothing confirms it while
- * [A] is held, or not known yet; it is sent again when [A] is released, and for as long as a status
- * of at most 2 s shows a target of ours without a lease. A new lease waits for its end. The first
- * zero after a speed is sent at once; all other commands are at least a robot cycle (10 ms) apart.
+ * sent after the first, and a status made at least 160 ms after this answer, when it would show a
+ * speed from before, shows both targets 0, or until robot_watchdog_ms has passed. Nothing confirms
+ * it while [A] is held, or not known yet; it is sent again when [A] is released, and for as long as
+ * a status of at most 2 s shows a target of ours without a lease. A new lease waits for its end.
+ * The first zero after a speed is sent at once; all other commands are at least a robot cycle (10
+ * ms) apart.
  */
 
 /** Allow driving. Returns 0, or the first reason against it: ROBUROC4_ERR_NOT_READY,
@@ -356,9 +357,11 @@ typedef struct roburoc4_facts {
     uint8_t stopping;        /* 1: a stop sequence runs or is pending */
     uint8_t override_known;  /* 1: `overridden` is valid */
     uint8_t overridden;      /* 1: game pad [A] is held */
-    uint8_t other_commander; /* 1: another client commands the robot */
-    uint8_t inhibited;       /* 1: the robot does not follow its commands (emergency stop, brakes,
-                                bumper); this disarms */
+    uint8_t other_commander; /* 1: the robot reports a target that is not ours: another client
+                                commands it, or has left one behind, which stop() clears */
+    uint8_t inhibited;       /* 1: the robot does not follow its target (emergency stop, brakes,
+                                bumper); this disarms. One that drops commands is disarmed for the
+                                same cause, but shows nothing here */
     uint8_t fixed_id;        /* 1: the robot answers every request with 0x01 */
     uint8_t front_bumper;    /* 1: pressed, by the last IO status; of several inputs, any */
     uint8_t rear_bumper;
