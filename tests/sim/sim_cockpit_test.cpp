@@ -214,6 +214,9 @@ TEST_F(SimPad, ReleasePadReleasesEverything) {
     roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD, 0);
     EXPECT_EQ(0, robot.state().overridden);
     EXPECT_EQ(0.0, robot.state().target_linear_m_s);
+    robot.command(0.25F, 0.0F);
+    roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD, 0);
+    EXPECT_DOUBLE_EQ(0.25, robot.state().target_linear_m_s) << "nobody held it";
 }
 
 /* --------------------------------------------------------------------------------- battery --- */

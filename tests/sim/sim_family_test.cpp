@@ -343,6 +343,8 @@ TEST(SimFamily, StampsAFrozenServiceAsItsStampsMean) {
         const auto status = robot.localization();
         EXPECT_EQ(x_m, status.x_m);
         EXPECT_EQ(robot.state().cycles - (measured != 0 ? 101 : 0), status.robot_cycles);
+        robot.set("frozen", 1 << localization | 1 << differential);
+        EXPECT_EQ(x_m, robot.localization().x_m) << "another freezes";
         robot.set("frozen", 0);
         EXPECT_LT(x_m + 0.1, robot.localization().x_m);
     }

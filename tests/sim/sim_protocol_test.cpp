@@ -285,6 +285,9 @@ TEST(SimCommands, OfSpeedAreCountedAndTheLastOneIsKept) {
     EXPECT_DOUBLE_EQ(-1.0, state.last_angular_rad_s);
     EXPECT_EQ(SimRobot::origin_us + 3 * ROBUROC4_CYCLE_US, state.last_command_us);
     EXPECT_EQ(0U, state.refused_speed_commands);
+    robot.command(0.0F, 0.0F);
+    EXPECT_EQ(SimRobot::origin_us + 5 * ROBUROC4_CYCLE_US, robot.state().last_command_us);
+    EXPECT_DOUBLE_EQ(0.0, robot.state().last_linear_m_s);
 }
 
 /* ----------------------------------------------------------------------------------- inputs --- */

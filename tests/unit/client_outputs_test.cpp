@@ -281,6 +281,8 @@ TEST(Outputs, ThatWereNeverSetAreZeroAndTheOthersAreKept) {
     EXPECT_EQ(from_hex("FF 02 00  00 00 00 00  00 00 20 40  00 00 00 00  F6 00"), last());
     ASSERT_EQ(ROBUROC4_OK, set_one(bench, 2, 0));
     EXPECT_EQ(from_hex("FF 02 00  00 00 00 00  00 00 20 40  00 00 00 00  F2 00"), last());
+    ASSERT_EQ(ROBUROC4_OK, set_many(bench, 0x004, 0xF0F)) << "only those in the mask";
+    EXPECT_EQ(from_hex("FF 02 00  00 00 00 00  00 00 20 40  00 00 00 00  F6 00"), last());
     for (const float bad :
          {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()})
         EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, set_volts(bench, 0, bad));
@@ -391,7 +393,7 @@ TEST(Relocalize, AnAnswerToThePoseBeforeIsNoneToTheNext) {
 }
 
 TEST(Relocalize, ThatIsTakenLateFailsUnlessTheRobotHasRested) {
-    enum { AT_REST, MOVES, NOT_KNOWN, CASES };
+    enum { AT_REST, MOVES, NOT_KNOWN, NO_LONGER_KNOWN, CASES };
     for (int way = 0; way < CASES; way++) {
         SCOPED_TRACE(way);
         ScriptedRobot robot;
@@ -404,7 +406,7 @@ TEST(Relocalize, ThatIsTakenLateFailsUnlessTheRobotHasRested) {
         };
         Bench bench(robot);
         bench.ready();
-        if (way != AT_REST) {
+        if (way == MOVES || way == NOT_KNOWN) {
             robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
             bench.run(350 * ms);
         }
@@ -414,7 +416,9 @@ TEST(Relocalize, ThatIsTakenLateFailsUnlessTheRobotHasRested) {
             robot.current_linear = 0.5F;
             robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = false;
         }
-        bench.run(1400 * ms);
+        bench.run(1200 * ms);
+        robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = way == NO_LONGER_KNOWN;
+        bench.run(200 * ms);
         ASSERT_FALSE(late.empty());
         bench.receive(late.front());
         EXPECT_EQ(way == AT_REST ? ROBUROC4_OK

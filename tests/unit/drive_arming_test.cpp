@@ -156,6 +156,9 @@ TEST(Arm, TwiceIsOneEvent) {
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_EVENT_ARMED), bench.take_events());
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
     EXPECT_EQ(0U, bench.take_events());
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+    EXPECT_EQ(ROBUROC4_OK, bench.arm()) << "also while it drives";
+    EXPECT_EQ(ROBUROC4_OK, bench.facts().arm_refusal);
 }
 
 TEST(ArmRefused, BeforeReady) {

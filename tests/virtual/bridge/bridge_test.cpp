@@ -658,6 +658,15 @@ TEST_F(Bridge, PublishesItsStateFiveTimesASecondAndStatisticsOnce) {
     EXPECT_NEAR(static_cast<double>(times_of("ROBUROC4_IOCARD").size()), 200, 2);
 }
 
+TEST_F(Bridge, AStatusHasTheTimeWhenTheRobotMadeIt) {
+    start();
+    sys.delay_us = 100 * kMs; /* from now on */
+    sleep_ms(300);
+    EXPECT_NEAR(
+        static_cast<double>(utime() - LAST(differential_status, "ROBUROC4_DIFFERENTIAL")->utime),
+        125e3, 30e3);
+}
+
 TEST_F(Bridge, AChangeIsPublishedSoon) {
     start();
     await_state();
@@ -866,6 +875,7 @@ TEST_F(Bridge, AStopThatIsReadWithACommandWins) {
     stop();
     sleep_ms(500);
     EXPECT_EQ(robot_->speeds(), 0u);
+    EXPECT_EQ(state()->rejected_cause, 0) << "nor is it tried";
 }
 
 TEST_F(Bridge, OfASpeedAndAMoveThatAreReadTogetherTheLaterDrives) {
