@@ -297,7 +297,8 @@ static void lower_bound(roburoc4_private_link *l, uint32_t late_us, uint32_t by_
 
 /** By how much the last status of a service was late. */
 static uint32_t late_of(const roburoc4_private_link *l, const service *s) {
-    return not_negative(late_by(l, transit_of(s->robot_cycles, s->received_us)));
+    const int32_t late_us = late_by(l, transit_of(s->robot_cycles, s->received_us));
+    return late_us < FAR_US ? not_negative(late_us) : AGE_UNKNOWN;
 }
 
 /** By how much all statuses of the last second were late: one that is later still waited by itself,
@@ -514,7 +515,7 @@ void roburoc4_link_round_trip(roburoc4_private_link *l, bool text, uint32_t sent
 
 uint32_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint64_t now_us) {
     const service *s = &l->services[index];
-    const uint32_t grown_us = late_of(l, s) + drifted_us(l, s->received_us);
+    const uint32_t grown_us = sum(late_of(l, s), drifted_us(l, s->received_us));
     return sum(clipped(now_us - s->received_us), sum(grown_us, l->floor_age_us));
 }
 
