@@ -407,11 +407,15 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
     if (pose) {
         m->private_pose_us = now_us;
     }
+    int64_t before[3];
+    memcpy(before, m->private_pose, sizeof before);
     if (m->private_posed &&
         (v->relocalized != m->private_relocalized || (pose && !note_pose(m, v)))) {
         return false;
     }
-    roburoc4_move_axis_learn(m, passed_s, speeds, pose || (speeds && !m->private_posed));
+    /* some robots compute their pose seldom, and repeat it in between */
+    const bool moved = memcmp(before, m->private_pose, sizeof before) != 0;
+    roburoc4_move_axis_learn(m, passed_s, speeds, moved || (speeds && !m->private_posed));
     return true;
 }
 

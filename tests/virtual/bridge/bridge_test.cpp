@@ -871,11 +871,10 @@ TEST_F(Bridge, TheEndOfTheBridgeCancelsAMove) {
 
 TEST_F(Bridge, AStopThatIsReadWithACommandWins) {
     start();
-    drive(0.3);
+    drive(0.3, 1000000);
     stop();
-    sleep_ms(500);
+    sleep_ms(1000);
     EXPECT_EQ(robot_->speeds(), 0u);
-    EXPECT_EQ(state()->rejected_cause, 0) << "nor is it tried";
 }
 
 TEST_F(Bridge, OfASpeedAndAMoveThatAreReadTogetherTheLaterDrives) {
