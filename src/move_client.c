@@ -132,8 +132,10 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
                facts.armed) { /* the lease ended without this move */
         roburoc4_move_end(move, lapsed ? ROBUROC4_MOVE_LAPSED : ROBUROC4_MOVE_CANCELLED);
     } else {
-        if (facts.stopping) { /* what it was told before may not have arrived */
-            move->private_told_cycles = 0;
+        /* what it was told before may not have arrived, or it was at rest a while ago */
+        if (facts.stopping || facts.age_us[ROBUROC4_SERVICE_DIFFERENTIAL] >=
+                                  client->private_config.fresh_ms * 1000U) {
+            move->private_told_cycles = move->private_still = 0;
         }
         view_client(&view, client, &facts);
         (void)roburoc4_move_advance(move, &view, now_us);

@@ -1341,6 +1341,36 @@ TEST(MoveOfAClient, RestIsLostIfNothingIsHeardForASecond) {
     EXPECT_EQ(ROBUROC4_MOVE_LOST, roburoc4_move_step(&move, &bench.client, 2 * second + 1));
 }
 
+TEST(MoveOfAClient, StatusesOfBeforeAHangDoNotShowRest) {
+    for (const bool one_by_one : {true, false}) {
+        roburoc4_tests::ScriptedRobot robot;
+        roburoc4_tests::Bench bench(robot);
+        bench.armed();
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+        roburoc4_move move;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
+        const auto step = [&] { return roburoc4_move_step(&move, &bench.client, bench.now_us); };
+        for (int i = 0; i < 35; i++) {
+            ASSERT_EQ(ROBUROC4_MOVE_RUNNING, step());
+            bench.run(cycle_us);
+        }
+        std::vector<roburoc4_tests::Bytes> waiting;
+        for (int i = 0; i < 60; i++) { /* nobody polls, either */
+            bench.now_us += cycle_us;
+            robot.advance(bench.now_us);
+            for (const auto &bytes : robot.take())
+                waiting.push_back(bytes);
+        }
+        bench.now_us += 350000;
+        for (const auto &bytes : waiting) {
+            bench.receive(bytes);
+            if (one_by_one)
+                ASSERT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        }
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    }
+}
+
 TEST(MoveOfAClient, UsesNoPoseThatIsInvalidOrNoNumber) {
     const std::pair<bool, roburoc4_localization_status> rows[] = {
         {true, {}},
