@@ -292,7 +292,8 @@ class Oracle {
     bool unconfirmed_ = false; /* a speed left, and no stop was confirmed since */
     std::uint64_t confirmed_us_ = 0;
     bool ended_under_pad_a_ = false;
-    bool pad_a_shown_ = false;     /* by the newest status, in whatever state */
+    bool pad_a_shown_ = false;       /* by the newest status, in whatever state */
+    bool clients_pad_shown_ = false; /* by the input that the client takes for it */
     bool pad_a_forgotten_ = false; /* that it was shown, as after a restart that seemed to be one */
     std::uint16_t mixed_service_ = 0; /* to which zeros left while a start was hidden */
     std::uint64_t watch_due_us_ = UINT64_MAX, release_due_us_ = UINT64_MAX, zeros_allowed_us_ = 0;

@@ -295,7 +295,11 @@ void Oracle::iocard_status(Moment now, const Datagram &datagram) {
     pad_a_shown_ = overridden_;
     /* [A] may have been shown before the client was ready: a stop that began then, too, is sent
      * again when [A] is released; one that does not know [A] any more cannot exclude that it was */
-    if ((shown_before && !pad_a_shown_) || pad_a_forgotten_) {
+    const bool clients_before = clients_pad_shown_; /* of the input that the client takes for [A] */
+    clients_pad_shown_ =
+        report_.override_index >= 0 && shows_input(datagram, report_.override_index);
+    if ((shown_before && !pad_a_shown_) || (clients_before && !clients_pad_shown_) ||
+        pad_a_forgotten_) {
         zeros_welcome_us_ = now.true_us + milliseconds(config_.drive_period_ms) + slack_us;
         stop_.again_us = now.true_us;
     }
