@@ -31,14 +31,15 @@ start() {
     robot=$(sed -n 's/.* \([0-9.]*:[0-9]*\)$/\1/p' log)
 }
 
-# A program gives up when it has heard no status for 300 ms, as it should. A loaded machine may not
-# run it for that long: then, and only where such a stall was measured, the whole test begins again.
+# A program gives up when it has heard no status for 300 ms, or has not driven for 250, as it should. A
+# loaded machine may not run it for that long: then, and only where such a stall was measured, the whole
+# test begins again.
 if [ -n "${STALLS:-}" ]; then
     "$STALLS" >stalls_ms &
     stall_watch=$!
 fi
 starved() {
-    [ -s stalls_ms ] && grep -E 'no (recent|fresh) .*status|not connected' said
+    [ -s stalls_ms ] && grep -E 'no (recent|fresh) .*status|not connected|in time:|lease expired' said
 }
 tries=$((${tries:-0} + 1))
 export tries
