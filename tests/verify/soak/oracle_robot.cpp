@@ -452,6 +452,8 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
     pausing_ = false;
     if (before.override_known && !report.override_known && pad_a_shown_)
         pad_a_forgotten_ = true;
+    if (!before.override_known && report.override_known) /* and its release, perhaps */
+        stop_.again_us = now.true_us;
     if ((report.events & ROBUROC4_EVENT_REBOOT) != 0) { /* the newest it knows now */
         last_of_start_.erase(last_of_start_.begin(), last_of_start_.lower_bound(boot_));
         ages_judged_ = ages_judged_ && !robot_.own_queues; /* a delay that it finds is normal */
