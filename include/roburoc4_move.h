@@ -142,7 +142,8 @@ typedef struct roburoc4_move {
     int64_t private_place[3], private_pose[3]; /* the goal; the last pose */
     uint8_t private_kind, private_leg, private_ready, private_rolls;
     uint8_t private_still, private_bumpers, private_posed, private_begun;
-    uint8_t private_driven, private_turned, private_rested, private_told_cycles, private_padding[3];
+    uint8_t private_driven, private_turned, private_rested, private_told_cycles, private_jolted,
+        private_unmeasured, private_padding[1];
     int8_t private_side;
     float private_patience_s; /* left to wait until the robot does not swing any more */
     uint32_t private_spare[5];

@@ -204,15 +204,20 @@ static float left_of(const roburoc4_move *m, uint32_t axis) {
     return m->private_goal[axis] - m->private_covered[axis];
 }
 
-/** Begin a leg of this length, counted from here; the robot is at rest. */
-static void start_leg(roburoc4_move *m, float distance_m, float angle_rad) {
-    m->private_goal[LENGTH] = distance_m;
-    m->private_goal[ANGLE] = angle_rad;
+/** Count from here. */
+static void forget_way(roburoc4_move *m) {
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         m->private_covered[axis] = m->private_by_speeds[axis] = 0;
         m->private_commanded[axis] = m->private_lagging[axis] = 0;
     }
     m->private_aside_m = 0;
+}
+
+/** Begin a leg of this length, counted from here; the robot is at rest. */
+static void start_leg(roburoc4_move *m, float distance_m, float angle_rad) {
+    m->private_goal[LENGTH] = distance_m;
+    m->private_goal[ANGLE] = angle_rad;
+    forget_way(m);
     roburoc4_move_axis_begin(m);
 }
 
@@ -372,13 +377,15 @@ static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
     if (m->private_still < UINT8_MAX) {
         m->private_still++;
     }
+    const bool measured = is_finite(speeds[LENGTH]) && is_finite(speeds[ANGLE]);
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         const float speed = is_finite(speeds[axis]) ? speeds[axis] : 0;
         covered[axis] = 0.5F * (speed + m->private_speed[axis]) * passed_s;
         m->private_by_speeds[axis] += covered[axis];
         m->private_speed[axis] = speed;
     }
-    if (roburoc4_move_rolls(m)) {
+    m->private_unmeasured = !measured;
+    if (!measured || roburoc4_move_rolls(m)) {
         m->private_still = 0;
     }
     m->private_speed_cycles = v->speed_cycles;
@@ -571,7 +578,9 @@ static float share_for(roburoc4_move *m, float passed_s, uint64_t now_us) {
 static bool rolls(roburoc4_move *m) {
     if (m->private_rolls && halted(m) && m->private_still >= STILL_STATUSES) {
         m->private_rolls = 0;
-        if (m->private_kind != FOR) {
+        if (m->private_kind == FOR) {
+            forget_way(m);
+        } else {
             m->private_leg = 0;
             (void)next_leg(m);
         }
@@ -602,7 +611,7 @@ static void propose(roburoc4_move *m, float passed_s, uint64_t now_us) {
 /** At the goal of the leg, and about to stay there. */
 static bool arrived(const roburoc4_move *m) {
     const bool still = m->private_still >= STILL_STATUSES && m->private_told_cycles == SHOWN_CYCLES;
-    return halted(m) &&
+    return halted(m) && !m->private_unmeasured &&
            (m->private_kind == REST  ? still
             : m->private_kind == FOR ? still && m->private_first_us != 0
                                      : !m->private_rolls && roburoc4_move_axis_arrived(m));

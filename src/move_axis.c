@@ -54,13 +54,18 @@ enum { COMMANDED, COVERED, SPEED, SIGNALS };
 #define POSE_AGE_S 0.3F
 /* How single speeds are smoothed. */
 #define SMOOTH 0.74F
+/* No command changes a speed so fast: something stopped the wheels, or let them go. What was
+ * learned is wrong then, until they roll again. */
+#define JOLT 0.2F
+#define STANDS 0.05F
 /* Nothing is commanded for a rest below `hold`. */
 #define HOLD 0.0012F
 /* A goal within `reached` is reached, by a robot that is slower than `slow`, if its gain is in
  * doubt by no more than `doubt`. */
 #define REACHED 0.0095F
 #define SLOW 0.027F
-#define SLOW_TURN_RAD_S 0.15F
+#define SLOW_LINE_M_S 0.06F
+#define SLOW_TURN_RAD_S 0.1F
 #define DOUBT_MOST 0.01F
 /* By `reached`: where the robot may be if it turned back twice, or took long. */
 #define LENIENT 1.9F
@@ -91,23 +96,38 @@ float roburoc4_move_axis_seconds(const roburoc4_move *m, uint32_t axis, float wa
     return magnitude(way) / limit + limit / m->private_slope[axis];
 }
 
-void roburoc4_move_axis_begin(roburoc4_move *m) {
+/** Learn anew, of a robot that moves as it does now. */
+static void learn_anew(roburoc4_move *m, const float *signals) {
     static const float mean[FITS] = {1, LAG_MEAN, BEND_MEAN, DELAY_MEAN, 0};
     static const float deviation[FITS] = {GAIN_SPREAD, LAG_SPREAD, BEND_SPREAD, DELAY_SPREAD,
                                           OFFSET_SPREAD};
-    memset(&m->private_fit, 0, sizeof m->private_fit);
+    roburoc4_private_fit *f = &m->private_fit;
+    memset(f, 0, sizeof *f);
     for (uint32_t i = 0; i < FITS; i++) {
-        m->private_fit.numbers[i] = mean[i];
-        m->private_fit.spread[i][i] = deviation[i] * deviation[i];
+        f->numbers[i] = mean[i];
+        f->spread[i][i] = deviation[i] * deviation[i];
     }
-    m->private_fit.gain = 1;
-    m->private_fit.spread[LAG][BEND] = m->private_fit.spread[BEND][LAG] =
-        LAG_AND_BEND * LAG_SPREAD * BEND_SPREAD;
+    f->gain = 1;
+    f->spread[LAG][BEND] = f->spread[BEND][LAG] = LAG_AND_BEND * LAG_SPREAD * BEND_SPREAD;
+    for (uint32_t i = 0; i < SIGNALS; i++) {
+        f->smooth[i][0] = f->smooth[i][1] = signals[i];
+    }
+    /* where it is now is known, whatever its gain */
+    const float commanded = signals[COMMANDED];
+    f->numbers[OFFSET] = signals[COVERED] + LAG_MEAN * signals[SPEED] - commanded;
+    f->spread[GAIN][OFFSET] = f->spread[OFFSET][GAIN] = -commanded * f->spread[GAIN][GAIN];
+    f->spread[OFFSET][OFFSET] += commanded * commanded * f->spread[GAIN][GAIN];
+    f->speed = signals[SPEED];
+}
+
+void roburoc4_move_axis_begin(roburoc4_move *m) {
+    static const float rest[SIGNALS] = {0, 0, 0};
+    learn_anew(m, rest);
     const uint32_t axis = roburoc4_move_axis(m);
     m->private_patience_s =
         SETTLE_TIMES * roburoc4_move_axis_seconds(m, axis, m->private_goal[axis]) + SETTLE_MARGIN_S;
     m->private_side = 0;
-    m->private_turned = m->private_rested = 0;
+    m->private_turned = m->private_rested = m->private_jolted = 0;
 }
 
 /** One equation: the best numbers for it and all before. */
@@ -146,6 +166,16 @@ static void fit(roburoc4_move *m, float passed_s) {
     f->gain = 1 + within(f->numbers[GAIN] - 1, GAIN_RANGE);
 }
 
+/** Whether something stopped the wheels, or lets them go. */
+static bool jolts(const roburoc4_move *m, uint32_t axis) {
+    const float speed = m->private_speed[axis], before = m->private_fit.speed;
+    const float sent = axis == LENGTH ? m->linear_m_s : m->angular_rad_s;
+    const bool stands = !beyond(speed, STANDS * unit[axis]);
+    return beyond(speed - before, JOLT * unit[axis]) || (stands && m->private_jolted) ||
+           (stands && beyond(before, 2.5F * STANDS * unit[axis]) &&
+            beyond(sent, 2 * STANDS * unit[axis]));
+}
+
 void roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, bool covered) {
     const uint32_t axis = roburoc4_move_axis(m);
     roburoc4_private_fit *f = &m->private_fit;
@@ -154,6 +184,12 @@ void roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, boo
     const float signals[SIGNALS] = {m->private_commanded[axis],
                                     m->private_covered[axis] + f->since_s * m->private_speed[axis],
                                     m->private_speed[axis]};
+    if (speeds) {
+        m->private_jolted = jolts(m, axis);
+        if (m->private_jolted) {
+            learn_anew(m, signals);
+        }
+    }
     const float share = passed_s / (passed_s + FILTER_S);
     for (uint32_t i = 0; i < SIGNALS; i++) {
         f->smooth[i][0] += share * (signals[i] - f->smooth[i][0]);
@@ -192,6 +228,7 @@ static bool slow(const roburoc4_move *m) {
     const uint32_t axis = roburoc4_move_axis(m);
     return is_zero(axis == LENGTH ? m->linear_m_s : m->angular_rad_s) &&
            !beyond(m->private_fit.speed, SLOW * unit[axis]) &&
+           !beyond(m->private_speed[LENGTH], SLOW_LINE_M_S) &&
            !beyond(m->private_speed[ANGLE], SLOW_TURN_RAD_S);
 }
 
@@ -210,6 +247,24 @@ static float near_goal(const roburoc4_move *m) {
     return (enough ? LENIENT : 1) * unit[roburoc4_move_axis(m)];
 }
 
+/** The speed from which it comes to rest in this distance: at constant deceleration far from the
+ * end, and in proportion to what is left near it. */
+static float profile(float distance, float slope, float time_s) {
+    return slope * (roburoc4_move_root(time_s * time_s + 2 * distance / slope) - time_s);
+}
+
+/** Whatever was learned: towards the goal, no faster than it can stop there from where it is; and
+ * away from the goal only to brake. */
+static float bounded_by_goal(const roburoc4_move *m, float speed) {
+    const uint32_t axis = roburoc4_move_axis(m);
+    const float left = m->private_goal[axis] - m->private_covered[axis];
+    const float towards = with_sign(1, left);
+    if (order_of(speed * towards) > 0) {
+        return within(speed, profile(magnitude(left), m->private_slope[axis], APPROACH_S));
+    }
+    return order_of(m->private_fit.speed * towards) > order_of(SLOW * unit[axis]) ? speed : 0;
+}
+
 float roburoc4_move_axis_speed(roburoc4_move *m) {
     const uint32_t axis = roburoc4_move_axis(m);
     roburoc4_private_fit *f = &m->private_fit;
@@ -223,10 +278,8 @@ float roburoc4_move_axis_speed(roburoc4_move *m) {
         !beyond(short_by, stands ? REACHED * near_goal(m) : HOLD * unit[axis])) {
         return 0;
     }
-    /* At constant deceleration far from the end, and in proportion to what is left near it. */
     const float time_s = APPROACH_S + APPROACH_S_PER_M * unsure / unit[axis];
-    const float speed =
-        slope * (roburoc4_move_root(time_s * time_s + 2 * distance / slope) - time_s);
+    const float speed = lesser(profile(distance, slope, time_s), m->private_limit[axis]);
     /* It turns back once while the robot rolls, to brake, and once more from rest. */
     const int8_t side = order_of(short_by) < 0 ? -1 : 1;
     if (side == -m->private_side) {
@@ -237,7 +290,7 @@ float roburoc4_move_axis_speed(roburoc4_move *m) {
         m->private_turned++;
     }
     m->private_side = side;
-    return with_sign(lesser(speed, m->private_limit[axis]), short_by);
+    return bounded_by_goal(m, with_sign(speed, short_by));
 }
 
 bool roburoc4_move_axis_arrived(const roburoc4_move *m) {

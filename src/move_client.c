@@ -10,6 +10,9 @@ static bool usable(const roburoc4_localization_status *pose) {
            (pose->flags & (ROBUROC4_LOCALIZATION_INVALID | ROBUROC4_LOCALIZATION_ERROR)) == 0;
 }
 
+/* A telemeter sees what is ahead if its beam passes by this much at most. */
+#define ASIDE_RAD 0.26F
+
 static void view_distances(roburoc4_move_view *v, const roburoc4_client *client) {
     roburoc4_distances distances;
     roburoc4_telemeter telemeter;
@@ -23,12 +26,13 @@ static void view_distances(roburoc4_move_view *v, const roburoc4_client *client)
          i < distances.count && roburoc4_client_telemeter(client, i, &telemeter) == ROBUROC4_OK;
          i++) {
         const float aside = roburoc4_move_half_turn(telemeter.theta_rad);
+        const float seen = 0.5F * telemeter.field_of_view_rad + ASIDE_RAD;
         if (!beyond(aside, PI_F / 3)) {
             v->front_m = nearer(v->front_m, telemeter.distance_m);
-            v->front_known = 1;
+            v->front_known |= !beyond(aside, seen);
         } else if (beyond(aside, 2 * PI_F / 3)) {
             v->rear_m = nearer(v->rear_m, telemeter.distance_m);
-            v->rear_known = 1;
+            v->rear_known |= !beyond(PI_F - magnitude(aside), seen);
         }
     }
 }
@@ -56,7 +60,7 @@ static void view_client(roburoc4_move_view *v, const roburoc4_client *client,
     v->rear_bumper_known = facts->rear_bumper_known;
     v->distance_age_us = facts->age_us[ROBUROC4_SERVICE_TELEMETER];
     v->disarm_cause = facts->disarm_cause;
-    if (!facts->stopping) {
+    if (facts->driving) {
         v->sent_linear_m_s = facts->sent_linear_m_s;
         v->sent_angular_rad_s = facts->sent_angular_rad_s;
     }
@@ -125,6 +129,8 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
     (void)roburoc4_client_facts(client, now_us, ROBUROC4_SIZED(&facts));
     /* After a lapse the stop sequence is sent already. pause() would keep the client armed. */
     const bool lapsed = facts.armed && facts.lapsed;
+    const bool unconfirmed =
+        move->private_kind == REST && facts.stop_outcome == ROBUROC4_STOP_TIMED_OUT;
     move->private_driven |= facts.driving;
     if (!move->private_ready && too_fast(move, client)) {
         roburoc4_move_end(move, ROBUROC4_MOVE_TOO_FAST);
@@ -133,8 +139,9 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
         roburoc4_move_end(move, lapsed ? ROBUROC4_MOVE_LAPSED : ROBUROC4_MOVE_CANCELLED);
     } else {
         /* what it was told before may not have arrived, or it was at rest a while ago */
-        if (facts.stopping || facts.age_us[ROBUROC4_SERVICE_DIFFERENTIAL] >=
-                                  client->private_config.fresh_ms * 1000U) {
+        if (facts.stopping || unconfirmed ||
+            facts.age_us[ROBUROC4_SERVICE_DIFFERENTIAL] >=
+                client->private_config.fresh_ms * 1000U) {
             move->private_told_cycles = move->private_still = 0;
         }
         view_client(&view, client, &facts);
@@ -145,7 +152,7 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
      */
     const bool ended = move->outcome != ROBUROC4_MOVE_RUNNING;
     const bool stops = move->private_kind == REST && !facts.stopping &&
-                       (move->private_first_us == 0 || roburoc4_move_rolls(move));
+                       (move->private_first_us == 0 || unconfirmed || roburoc4_move_rolls(move));
     if (!lapsed && (ended ? facts.armed : stops)) {
         move->private_first_us = now_us;
         (void)roburoc4_client_pause(client, now_us);

@@ -1017,13 +1017,16 @@ TEST_F(MoveView, ALongWayHasTime) {
     EXPECT_NEAR(5 * 0.05F * 0.5F, move.linear_m_s, 0.001);
 }
 
-TEST_F(MoveView, ASpeedThatIsNoNumberCountsAsNone) {
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
+TEST_F(MoveView, ASpeedThatIsNoNumberIsNeitherAWayNorRest) {
     view.linear_m_s = view.angular_rad_s = std::numeric_limits<float>::quiet_NaN();
-    for (int i = 0; i < 3; i++)
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
+    for (int i = 0; i < 20; i++)
         EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
     EXPECT_NEAR(0, move.distance_m, 1e-6);
-    EXPECT_GT(move.linear_m_s, 0);
+    EXPECT_EQ(0, move.linear_m_s);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
+    for (int i = 0; i < 20; i++)
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
 }
 
 TEST_F(MoveView, AccelerationsThatTheRobotDoesNotReportLimitNothing) {
@@ -1435,7 +1438,7 @@ TEST(MoveOfAClient, WhatATelemeterSeesBesideOrBehindIsNoObstacle) {
         robot.telemeters[0].theta_rad = theta_rad;
         robot.distances[0] = 0.1F;
         if (result == ROBUROC4_MOVE_OBSTACLE) { /* the nearest one counts */
-            robot.telemeters[1].theta_rad = theta_rad;
+            robot.telemeters[1].theta_rad = way_m > 0 ? 0 : 3.14F;
             robot.distances[1] = 9;
         }
         roburoc4_tests::Bench bench(robot);
@@ -1450,6 +1453,46 @@ TEST(MoveOfAClient, WhatATelemeterSeesBesideOrBehindIsNoObstacle) {
         EXPECT_EQ(result, roburoc4_move_step(&move, &bench.client, bench.now_us))
             << way_m << " m, " << theta_rad << " rad";
     }
+}
+
+TEST(MoveOfAClient, ATelemeterWhoseBeamPassesByDoesNotSeeWhatIsAhead) {
+    for (const float theta_rad : {0.4F, 0.7F}) {
+        roburoc4_tests::ScriptedRobot robot;
+        robot.telemeters[0].theta_rad = robot.telemeters[1].theta_rad = theta_rad;
+        robot.telemeters[0].field_of_view_rad = robot.telemeters[1].field_of_view_rad = 0.5F;
+        roburoc4_tests::Bench bench(robot);
+        bench.armed();
+        roburoc4_move move;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
+        for (int i = 0; i < 150; i++) {
+            (void)roburoc4_move_step(&move, &bench.client, bench.now_us);
+            bench.run(cycle_us);
+        }
+        EXPECT_EQ(theta_rad < 0.5F ? ROBUROC4_MOVE_RUNNING : ROBUROC4_MOVE_NO_FRONT_TELEMETER,
+                  move.outcome);
+    }
+}
+
+/** An uplink that delivers two seconds late: the stop is not confirmed in its time. */
+TEST(MoveOfAClient, RestIsNotReachedByAnUnconfirmedStop) {
+    roburoc4_tests::ScriptedRobot robot;
+    roburoc4_tests::Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second / 5));
+    bench.drop_to_robot = [](const roburoc4_tests::Bytes &) { return true; };
+    robot.target_linear = robot.current_linear = 0; /* as one that has not got them yet */
+    roburoc4_move move;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
+    for (int i = 0; i < 300; i++) {
+        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step(&move, &bench.client, bench.now_us));
+        bench.run(cycle_us);
+    }
+    bench.drop_to_robot = nullptr;
+    for (int i = 0; i < 300 && move.outcome == ROBUROC4_MOVE_RUNNING; i++) {
+        (void)roburoc4_move_step(&move, &bench.client, bench.now_us);
+        bench.run(cycle_us);
+    }
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.outcome);
 }
 
 TEST(MoveOutcome, EveryOutcomeHasASentence) {
