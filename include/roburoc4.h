@@ -388,7 +388,9 @@ typedef struct roburoc4_facts {
     uint32_t age_us[8]; /* by ROBUROC4_SERVICE_*: how old the last status can be at most, now;
                            UINT32_MAX if there is none, or it is from before the robot was found */
 } roburoc4_facts;
-/** ROBUROC4_ERR_SIZE for a size that the library does not know. */
+/** Ages, `driving`, `lapsed` and `lease_left_us` are those of now_us; what else changes with time,
+ * such as `armed`, is that of the last call of poll_transmit(), receive(), arm() or drive(): after
+ * a hang, poll first. ROBUROC4_ERR_SIZE for a size that the library does not know. */
 ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client, uint64_t now_us,
                                                    roburoc4_facts *out);
 

@@ -29,7 +29,8 @@
  *                 braking. (The end of a move that is not reached is a stop sequence: at once.)
  *   Braking       The move knows how much distance it has commanded and how much of it the robot
  *                 has covered. From both it learns how late and how far this robot follows, and
- *                 brakes the earlier the less it knows.
+ *                 brakes the earlier the less it knows. Where something stops the wheels in
+ *                 mid-move, it learns anew. It proposes no speed beyond its goal.
  *   Odometry      Distance is measured by the localization service if its pose is fresh when the
  *                 move begins, else by the reported speeds. A move ends where what was commanded,
  *                 the speeds and the pose disagree by more than 0.15 m or 15 degrees plus a fifth
