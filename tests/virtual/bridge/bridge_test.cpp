@@ -870,8 +870,8 @@ TEST_F(Bridge, TheEndOfTheBridgeCancelsAMove) {
 }
 
 TEST_F(Bridge, AStopThatIsReadWithACommandWins) {
-    start();
-    drive(0.3, 1000000);
+    start({"--lease-ms", "1000"}); /* longer than the stop takes */
+    drive(0.3);
     stop();
     sleep_ms(1000);
     EXPECT_EQ(robot_->speeds(), 0u);
