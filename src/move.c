@@ -199,11 +199,6 @@ static bool halted(const roburoc4_move *m) {
     return is_zero(m->linear_m_s) && is_zero(m->angular_rad_s);
 }
 
-/** What is left of the leg. */
-static float left_of(const roburoc4_move *m, uint32_t axis) {
-    return m->private_goal[axis] - m->private_covered[axis];
-}
-
 /** Count from here. */
 static void forget_way(roburoc4_move *m) {
     for (uint32_t axis = 0; axis < BOTH; axis++) {
@@ -234,7 +229,7 @@ static float look_to(const roburoc4_move *m, float *bearing_rad) {
 
 /** Begin the next leg; false after the last one. */
 static bool next_leg(roburoc4_move *m) {
-    float left_rad = left_of(m, ANGLE);
+    float left_rad = roburoc4_move_left(m, ANGLE);
     const uint8_t leg = m->private_leg++;
     if (to_place(m)) { /* a turn, a line, a turn, each from where the robot is */
         float bearing_rad = 0;
@@ -258,7 +253,7 @@ static bool next_leg(roburoc4_move *m) {
         (leg == 1 && (roburoc4_move_axis(m) == ANGLE || !beyond(left_rad, 0.0175F)))) {
         return false;
     }
-    start_leg(m, leg == 0 ? left_of(m, LENGTH) : 0, left_rad);
+    start_leg(m, leg == 0 ? roburoc4_move_left(m, LENGTH) : 0, left_rad);
     return true;
 }
 
@@ -316,8 +311,8 @@ static uint32_t cycles_from(uint64_t before, uint64_t now) {
     return before == 0 || now - before > 1000 ? 0 : (uint32_t)(now - before);
 }
 
-static float seconds_from(uint64_t before, uint64_t now) {
-    return (float)(int32_t)cycles_from(before, now) * 0.01F;
+static float seconds_in(uint32_t cycles) {
+    return (float)(int32_t)cycles * 0.01F;
 }
 
 /** Count a distance and an angle; `across_m` is to the left. Beside an arc, the way along it is
@@ -335,7 +330,7 @@ static void cover(roburoc4_move *m, float distance_m, float across_m, float angl
 
 /** Follow the pose; false if it jumped by more than any speed explains. */
 static bool note_pose(roburoc4_move *m, const roburoc4_move_view *v) {
-    const float passed_s = seconds_from(m->private_pose_cycles, v->pose_cycles);
+    const float passed_s = seconds_in(cycles_from(m->private_pose_cycles, v->pose_cycles));
     const int64_t pose[] = {fixed(v->x_m), fixed(v->y_m), fixed(v->theta_rad)};
     if (m->private_posed) {
         const float x = unfixed(pose[0] - m->private_pose[0]);
@@ -369,9 +364,9 @@ bool roburoc4_move_rolls(const roburoc4_move *m) {
 /** A differential status: add the distance since the last one. */
 static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
     const float speeds[BOTH] = {v->linear_m_s, v->angular_rad_s};
-    const float passed_s = seconds_from(m->private_speed_cycles, v->speed_cycles);
-    const uint32_t told_cycles =
-        m->private_told_cycles + cycles_from(m->private_speed_cycles, v->speed_cycles);
+    const uint32_t passed = cycles_from(m->private_speed_cycles, v->speed_cycles);
+    const uint32_t told_cycles = m->private_told_cycles + passed;
+    const float passed_s = seconds_in(passed);
     float covered[BOTH];
     m->private_told_cycles = told_cycles < SHOWN_CYCLES ? (uint8_t)told_cycles : SHOWN_CYCLES;
     if (m->private_still < UINT8_MAX) {
@@ -682,8 +677,8 @@ int32_t roburoc4_move_advance(roburoc4_move *m, const roburoc4_move_view *v, uin
         outcome = reason_to_end(m, v, now_us);
     }
     if (m->private_kind != FOR) {
-        m->remaining_m = left_of(m, LENGTH);
-        m->remaining_rad = left_of(m, ANGLE);
+        m->remaining_m = roburoc4_move_left(m, LENGTH);
+        m->remaining_rad = roburoc4_move_left(m, ANGLE);
     }
     if (outcome == ROBUROC4_MOVE_RUNNING && ready) {
         if (m->private_kind != REST) {

@@ -20,10 +20,10 @@
 enum { GAIN, LAG, BEND, DELAY, OFFSET, FITS };
 enum { COMMANDED, COVERED, SPEED, SIGNALS };
 
-/* The constants below were found by a search (CMA-ES) on robots that were drawn at random between
- * the values of bench/family.c, with up to a fifth of all datagrams lost; but for `reached` and
- * `slow`, which a move promises. Lengths and speeds are in meters; radians are `unit` times as
- * many.
+/* The constants below were found by a search on robots that were drawn at random between the
+ * values of bench/family.c; but for `reached` and `slow`, which a move promises, and `pose_age`,
+ * `jolt` and `stands`, which were chosen. Lengths and speeds are in meters; radians are `unit`
+ * times as many.
  *
  * What robots are like, and standard deviations of that; lag and bend grow together. */
 #define LAG_MEAN 0.33F
@@ -42,8 +42,6 @@ enum { COMMANDED, COVERED, SPEED, SIGNALS };
 #define NOISE_S 0.006F
 #define NOISE_STATUSES 11.7F
 #define DRIFT_M2_S 2e-6F
-/* How far the speed is that of the pose: the reported one has noise. */
-#define POSE_SHARE 0.5F
 /* The gain may be larger by so many standard deviations, but no gain is farther from 1. */
 #define CAUTION 0.96F
 #define GAIN_RANGE 0.5F
@@ -69,7 +67,8 @@ enum { COMMANDED, COVERED, SPEED, SIGNALS };
 #define DOUBT_MOST 0.01F
 /* By `reached`: where the robot may be if it turned back twice, or took long. */
 #define LENIENT 1.9F
-/* A robot that responds slowly swings, and is slow at the end of each swing, too. So one whose bend
+/* These were found on bench/family.c itself. A robot that responds slowly swings, and is slow at
+ * the end of each swing, too. So one whose bend
  * is larger than `swings` is at its goal only if its two smoothed positions agree within `settled`;
  * but a move waits for that no longer than so many times its profile, and some seconds. */
 #define SWINGS_S2 0.2F
@@ -137,7 +136,7 @@ static void fit(roburoc4_move *m, float passed_s) {
     const float *const covered = f->smooth[COVERED];
     const float *const speed = f->smooth[SPEED];
     const float moved = (covered[0] - covered[1]) * (1 / FILTER_S);
-    const float row[FITS] = {commanded[1], POSE_SHARE * (speed[1] - moved) - speed[1],
+    const float row[FITS] = {commanded[1], -0.5F * (speed[1] + moved),
                              (speed[1] - speed[0]) * (1 / FILTER_S),
                              (commanded[1] - commanded[0]) * (1 / FILTER_S), 1};
     const float off = NOISE_M + NOISE_S * magnitude(speed[1]);
@@ -257,7 +256,7 @@ static float profile(float distance, float slope, float time_s) {
  * away from the goal only to brake. */
 static float bounded_by_goal(const roburoc4_move *m, float speed) {
     const uint32_t axis = roburoc4_move_axis(m);
-    const float left = m->private_goal[axis] - m->private_covered[axis];
+    const float left = roburoc4_move_left(m, axis);
     const float towards = with_sign(1, left);
     if (order_of(speed * towards) > 0) {
         return within(speed, profile(magnitude(left), m->private_slope[axis], APPROACH_S));
@@ -296,7 +295,7 @@ float roburoc4_move_axis_speed(roburoc4_move *m) {
 bool roburoc4_move_axis_arrived(const roburoc4_move *m) {
     const uint32_t axis = roburoc4_move_axis(m);
     const float bound = near_goal(m), goal = m->private_goal[axis];
-    return slow(m) && settled(m) && !beyond(goal - m->private_covered[axis], REACHED * bound) &&
+    return slow(m) && settled(m) && !beyond(roburoc4_move_left(m, axis), REACHED * bound) &&
            !beyond(goal - rest_at(m), REACHED * bound) &&
            !beyond(doubt(m, goal), DOUBT_MOST * unit[axis]);
 }

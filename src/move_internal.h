@@ -44,6 +44,11 @@ static inline float nearer(float a, float b) {
     return is_finite(b) ? lesser(a, b) : 0;
 }
 
+/** What is left of the leg. */
+static inline float roburoc4_move_left(const roburoc4_move *m, uint32_t axis) {
+    return m->private_goal[axis] - m->private_covered[axis];
+}
+
 extern const roburoc4_move_options roburoc4_move_defaults;
 
 float roburoc4_move_root(float square);

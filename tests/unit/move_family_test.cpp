@@ -128,7 +128,7 @@ TEST_F(MoveFault, GoesNoFurtherThanItsGoalAfterAnInterruption) {
         const family_member member = i % 3 == 0 ? nominal : family_member_drawn(&state);
         ASSERT_EQ(1, family_open(&rig, &member, state));
         const bool turn = i % 2 != 0;
-        const double way = turn ? between(0.5, 3) : between(0.5, 3), speed = between(0.2, 1);
+        const double way = between(0.5, 3), speed = between(0.2, 1);
         const double from_s = between(0, way / speed), span_s = between(0.02, 0.9);
         const double begun_s = 1e-3 * rig.now_ms;
         options.linear_m_s = options.angular_rad_s = static_cast<float>(speed);
