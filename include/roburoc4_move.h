@@ -27,6 +27,9 @@
  *   Speed         A profile: no proposal exceeds the requested speed, or the robot's own limit if
  *                 that is lower, and none changes faster than the requested acceleration, also when
  *                 braking. (The end of a move that is not reached is a stop sequence: at once.)
+ *   The beginning A robot that still rolls is first brought to rest, at the requested acceleration.
+ *                 Distance and angle count from where the move began; a way aside in a curve that
+ *                 it rolled meanwhile is not made up for.
  *   Braking       The move knows how much distance it has commanded and how much of it the robot
  *                 has covered. From both it learns how late and how far this robot follows, and
  *                 brakes the earlier the less it knows. Where something stops the wheels in
@@ -54,7 +57,7 @@
  *
  *   Those of roburoc4.h. Moves need no allocation, clock or math library. Use a move from one
  *   thread at a time, with its client. A move ends with an outcome and stays ended until it is
- * begun again; nothing needs to be freed.
+ *   begun again; nothing needs to be freed.
  */
 #ifndef ROBUROC4_MOVE_H
 #define ROBUROC4_MOVE_H
@@ -138,12 +141,13 @@ typedef struct roburoc4_move {
     uint32_t private_timeout_ms, private_duration_ms, private_relocalized;
     roburoc4_private_fit private_fit;
     roburoc4_move_options private_options;
-    uint64_t private_begun_us, private_first_us, private_step_us, private_heard_us, private_pose_us;
+    uint64_t private_begun_us, private_first_us; /* first: when it asked for a speed, or a stop */
+    uint64_t private_step_us, private_heard_us, private_pose_us;
     uint64_t private_speed_cycles, private_pose_cycles;
     int64_t private_place[3], private_pose[3]; /* the goal; the last pose */
     uint8_t private_kind, private_leg, private_ready, private_rolls;
     uint8_t private_still, private_bumpers, private_posed, private_begun;
-    uint8_t private_driven, private_turned, private_rested, private_told_cycles, private_jolted,
+    uint8_t private_driven, private_turned, private_rested, private_quiet_cycles, private_jolted,
         private_unmeasured, private_padding[1];
     int8_t private_side;
     float private_patience_s; /* left to wait until the robot does not swing any more */

@@ -13,7 +13,7 @@
 /* A longer step means that the program was held up, so that nobody knows what was commanded. */
 #define STEP_MAX_US 250000U
 #define STILL_STATUSES 2
-/* So much later a robot shows what it was told last, if it is slow to begin. */
+/* A robot that is slow to begin shows this much later what it was told last. */
 #define SHOWN_CYCLES 40
 /* Nothing shorter has ever been a view. */
 #define VIEW_SIZE_1_0 120
@@ -365,10 +365,10 @@ bool roburoc4_move_rolls(const roburoc4_move *m) {
 static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
     const float speeds[BOTH] = {v->linear_m_s, v->angular_rad_s};
     const uint32_t passed = cycles_from(m->private_speed_cycles, v->speed_cycles);
-    const uint32_t told_cycles = m->private_told_cycles + passed;
+    const uint32_t quiet_cycles = m->private_quiet_cycles + passed;
     const float passed_s = seconds_in(passed);
     float covered[BOTH];
-    m->private_told_cycles = told_cycles < SHOWN_CYCLES ? (uint8_t)told_cycles : SHOWN_CYCLES;
+    m->private_quiet_cycles = quiet_cycles < SHOWN_CYCLES ? (uint8_t)quiet_cycles : SHOWN_CYCLES;
     if (m->private_still < UINT8_MAX) {
         m->private_still++;
     }
@@ -599,13 +599,14 @@ static void propose(roburoc4_move *m, float passed_s, uint64_t now_us) {
                         : *speed[i] + within(wanted[i] - *speed[i], m->private_slope[i] * passed_s);
     }
     if (!halted(m)) {
-        m->private_told_cycles = 0;
+        m->private_quiet_cycles = 0;
     }
 }
 
 /** At the goal of the leg, and about to stay there. */
 static bool arrived(const roburoc4_move *m) {
-    const bool still = m->private_still >= STILL_STATUSES && m->private_told_cycles == SHOWN_CYCLES;
+    const bool still =
+        m->private_still >= STILL_STATUSES && m->private_quiet_cycles == SHOWN_CYCLES;
     return halted(m) && !m->private_unmeasured &&
            (m->private_kind == REST  ? still
             : m->private_kind == FOR ? still && m->private_first_us != 0

@@ -19,6 +19,7 @@
 
 enum { GAIN, LAG, BEND, DELAY, OFFSET, FITS };
 enum { COMMANDED, COVERED, SPEED, SIGNALS };
+enum { STEADY, DOUBTED, JOLTED };
 
 /* The constants below were found by a search on robots that were drawn at random between the
  * values of bench/family.c; but for `reached` and `slow`, which a move promises, and `pose_age`,
@@ -68,10 +69,11 @@ enum { COMMANDED, COVERED, SPEED, SIGNALS };
 /* By `reached`: where the robot may be if it turned back twice, or took long. */
 #define LENIENT 1.9F
 /* These were found on bench/family.c itself. A robot that responds slowly swings, and is slow at
- * the end of each swing, too. So one whose bend
- * is larger than `swings` is at its goal only if its two smoothed positions agree within `settled`;
- * but a move waits for that no longer than so many times its profile, and some seconds. */
+ * the end of each swing, too. So one whose bend is larger than `swings` is at its goal only if its
+ * two smoothed positions agree within `settled`; but a move waits for that no longer than so many
+ * times its profile, and some seconds. */
 #define SWINGS_S2 0.2F
+#define CALM_S2 0.25F
 #define SETTLED 0.007F
 #define SETTLE_TIMES 1.5F
 #define SETTLE_MARGIN_S 1.8F
@@ -165,14 +167,18 @@ static void fit(roburoc4_move *m, float passed_s) {
     f->gain = 1 + within(f->numbers[GAIN] - 1, GAIN_RANGE);
 }
 
-/** Whether something stopped the wheels, or lets them go. */
-static bool jolts(const roburoc4_move *m, uint32_t axis) {
+/** Whether something stopped the wheels, or lets them go. One status that says they stand may be
+ * noise. */
+static uint8_t jolts(const roburoc4_move *m, uint32_t axis) {
     const float speed = m->private_speed[axis], before = m->private_fit.speed;
     const float sent = axis == LENGTH ? m->linear_m_s : m->angular_rad_s;
-    const bool stands = !beyond(speed, STANDS * unit[axis]);
-    return beyond(speed - before, JOLT * unit[axis]) || (stands && m->private_jolted) ||
-           (stands && beyond(before, 2.5F * STANDS * unit[axis]) &&
-            beyond(sent, 2 * STANDS * unit[axis]));
+    const bool rolled =
+        beyond(before, 2.5F * STANDS * unit[axis]) && beyond(sent, 2 * STANDS * unit[axis]);
+    return beyond(speed - before, JOLT * unit[axis]) ? JOLTED
+           : beyond(speed, STANDS * unit[axis])      ? STEADY
+           : m->private_jolted != STEADY             ? JOLTED
+           : rolled                                  ? DOUBTED
+                                                     : STEADY;
 }
 
 void roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, bool covered) {
@@ -185,7 +191,7 @@ void roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, boo
                                     m->private_speed[axis]};
     if (speeds) {
         m->private_jolted = jolts(m, axis);
-        if (m->private_jolted) {
+        if (m->private_jolted == JOLTED) {
             learn_anew(m, signals);
         }
     }
@@ -264,10 +270,16 @@ static float bounded_by_goal(const roburoc4_move *m, float speed) {
     return order_of(m->private_fit.speed * towards) > order_of(SLOW * unit[axis]) ? speed : 0;
 }
 
+/** How hard a move brakes: a robot that responds slowly would swing. */
+static float calm_slope(const roburoc4_move *m, uint32_t axis) {
+    const float bend = m->private_fit.numbers[BEND];
+    return m->private_slope[axis] * (order_of(bend) > order_of(CALM_S2) ? CALM_S2 / bend : 1);
+}
+
 float roburoc4_move_axis_speed(roburoc4_move *m) {
     const uint32_t axis = roburoc4_move_axis(m);
     roburoc4_private_fit *f = &m->private_fit;
-    const float slope = m->private_slope[axis];
+    const float slope = calm_slope(m, axis);
     const bool stands = slow(m) && !is_zero(m->private_commanded[axis]);
     m->private_rested |= stands;
     const float goal = m->private_goal[axis], unsure = doubt(m, goal);

@@ -142,7 +142,7 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
         if (facts.stopping || unconfirmed ||
             facts.age_us[ROBUROC4_SERVICE_DIFFERENTIAL] >=
                 client->private_config.fresh_ms * 1000U) {
-            move->private_told_cycles = move->private_still = 0;
+            move->private_quiet_cycles = move->private_still = 0;
         }
         view_client(&view, client, &facts);
         (void)roburoc4_move_advance(move, &view, now_us);

@@ -955,6 +955,20 @@ TEST_F(MoveView, AnArcEndsWithATurnWhereItsAngleIsMissed) {
     EXPECT_NEAR(0.2F, move.distance_m, 0.01F) << "of all legs";
 }
 
+TEST_F(MoveView, OneStatusOfStandingWheelsMayBeNoise) {
+    double took_s[2];
+    options.angular_rad_s = 0.3F;
+    for (const bool noisy : {false, true}) {
+        const std::uint64_t begun_us = now_us;
+        roburoc4_move_by(&move, 0, 1.57F, &options);
+        for (int i = 0; follow(50000, 1, 0.87) == ROBUROC4_MOVE_RUNNING; i++)
+            turning_rad_s = noisy && i == 105 ? -0.87F * move.angular_rad_s : 0;
+        EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.outcome);
+        took_s[noisy] = 1e-6 * static_cast<double>(now_us - begun_us);
+    }
+    EXPECT_NEAR(took_s[0], took_s[1], 0.2);
+}
+
 TEST_F(MoveView, AnInhibitedRobotEndsIt) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
     EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
