@@ -187,7 +187,7 @@ void Oracle::started(Moment now) {
     started_ = true;
     started_us_ = well_since_us_ = now.true_us;
     unproven_us_ = UINT64_MAX;
-    clock_error_us_ = 0;
+    clock_error_us_ = answered_us_ = 0;
     stray_us_ = UINT64_MAX;
     last_of_start_.clear();
     for (Newest &newest : newest_)

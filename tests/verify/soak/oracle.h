@@ -271,7 +271,9 @@ class Oracle {
     Newest newest_[5];
     std::uint64_t unproven_us_ = UINT64_MAX; /* of the age of all statuses: see tolerance_us() */
     std::uint64_t unproven_since_us_ = 0, clock_error_us_ = 0;
-    std::uint64_t stray_us_ = UINT64_MAX; /* how late the promptest was since one from before */
+    std::uint64_t stray_us_ = UINT64_MAX; /* how late the promptest was since a misleading one */
+    std::uint64_t answered_us_ = 0;       /* when the newest request was sent that is answered */
+    int overtaken_ = 0;                   /* statuses in a row that answers overtook */
     std::uint64_t restart_us_ = 0, changed_us_ = 0;
     std::uint64_t others_us_ = 0; /* when the client last reported another commander */
     Speeds reported_target_, reported_current_;

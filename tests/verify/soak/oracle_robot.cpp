@@ -57,6 +57,8 @@ void Oracle::received(Moment now, const Datagram &datagram, std::int32_t result)
         reach(Reached::doubled_literal_text);
     if (!is_status(datagram)) {
         answer_delay_us_ = now.true_us - origin.made_us;
+        if (result >= 0)
+            answered_us_ = std::max(answered_us_, origin.asked_us);
         /* close() forgets what was asked before */
         if (stop_.zeros > 0 && origin.asked_us > stop_.first_zero_us &&
             (result >= 0 || result == ROBUROC4_ERR_ROBOT))
@@ -110,7 +112,12 @@ void Oracle::status(Moment now, const Datagram &datagram) {
     const std::uint64_t age = now.true_us - made;
     newest = {true, made, datagram.u64_at(3), now.client_us, age, datagram.origin.boot};
     ages_known_of_[datagram.origin.index]++;
-    if (made < started_us_ || stray_us_ != UINT64_MAX) /* it may come after an answer (SAFETY.md) */
+    /* one may come after an answer, and answers may overtake them, which two in a row seem to deny
+     * (SAFETY.md) */
+    overtaken_ = made < answered_us_ ? overtaken_ + 1 : 0;
+    if (overtaken_ > 1)
+        stray_us_ = stray_us_ == UINT64_MAX ? age : std::max(stray_us_, age);
+    else if (made < started_us_ || stray_us_ != UINT64_MAX)
         stray_us_ = std::min(stray_us_, age);
     const std::uint64_t crept = (now.true_us - unproven_since_us_) / 1000;
     if (unproven_us_ == UINT64_MAX || age <= unproven_us_ + crept) {
@@ -548,7 +555,7 @@ void Oracle::judge_ages(Moment now, const Report &report) {
         if (!newest.known || !ages_known_ || !ages_judged_ || ages_known_of_[service] <= 3 ||
             ages_are_new(received_us, service))
             continue;
-        if (newest.boot < judged_boot_) /* by the clock of a start that hides behind another's */
+        if (newest.boot < boot_) /* by the clock of another start */
             continue;
         const std::uint64_t age = now.true_us - newest.made_us;
         if (age > report.age_us[service] + tolerance_us(now))
@@ -635,7 +642,8 @@ void Oracle::judge_pose(Moment now, const Report &report) {
     if ((report.events & ROBUROC4_EVENT_RELOCALIZED) == 0 || at_once)
         return;
     reach(poses_sent_ < 2 ? Reached::late_pose : Reached::repeated_pose);
-    if (way_m_ - way_at_pose_ > 0.4) /* a status of 0.15 s may still show the rest before */
+    /* a status of 0.15 s may still show the rest before, and one that alone is late as well */
+    if (way_m_ - way_at_pose_ > 0.4 && !robot_.own_queues)
         violate(Promise::no_old_pose, now.true_us,
                 "a pose was accepted late, and the robot has moved " +
                     std::to_string(way_m_ - way_at_pose_) + " m since it was given");
