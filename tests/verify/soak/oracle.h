@@ -302,10 +302,10 @@ class Oracle {
     std::uint64_t lapse_us_ = UINT64_MAX; /* by the client's clock */
     bool pausing_ = false, ages_known_ = true;
     bool ages_judged_ = true;
-    std::uint64_t ages_since_us_[5] = {};   /* since when the client claims to know them */
-    std::uint64_t ages_known_of_[5] = {};   /* of so many statuses since then */
-    std::uint64_t jumped_us_ = 0;           /* when the client's clock jumped last */
-    std::uint32_t last_outcome_ = 0;        /* of the last stop that has ended */
+    std::uint64_t ages_since_us_[5] = {}; /* since when the client claims to know them */
+    std::uint64_t ages_known_of_[5] = {}; /* of so many statuses since then */
+    std::uint64_t jumped_us_ = 0;         /* when the client's clock jumped last, or so it seems */
+    std::uint32_t last_outcome_ = 0;      /* of the last stop that has ended */
     std::uint64_t last_unconfirmed_us_ = 0; /* up to then, no stop was confirmed */
     std::uint64_t commanding_since_us_ = 0, well_since_us_ = 0, disturbed_us_ = 0,
                   standing_due_us_ = 0;

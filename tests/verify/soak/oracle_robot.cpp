@@ -390,6 +390,7 @@ void Oracle::watch_restart(Moment now, const Datagram &datagram) {
         const double counted = last != nullptr ? counted_us(*last, datagram) : 0;
         if (last == nullptr || hidden || may_be_same_start(*last, now, datagram)) {
             judged_boot_ = boot_; /* nothing to notice; but ages are wrong by what it is ahead */
+            jumped_us_ = now.true_us;
             const auto truly = static_cast<double>(datagram.origin.made_us) -
                                static_cast<double>(last != nullptr ? last->made_us : 0);
             if (last != nullptr && counted > truly)
