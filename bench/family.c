@@ -92,7 +92,6 @@ static double wrapped(double angle_rad) {
 static void roll(family_robot *r) {
     double *now = r->command[r->now_ms % FAMILY_DEAD_MS];
     const double *then = r->command[(r->now_ms + FAMILY_DEAD_MS - r->is.dead_ms) % FAMILY_DEAD_MS];
-    const double w = r->is.natural_rad_s;
     const double dt = 1e-3;
     if (r->now_ms - r->commanded_ms >= WATCHDOG_MS) {
         r->target[0] = r->target[1] = 0;
@@ -101,6 +100,7 @@ static void roll(family_robot *r) {
     now[1] = r->target[1];
     for (int axis = 0; axis < 2; axis++) {
         const double wanted = r->is.gain * then[axis];
+        const double w = axis == 1 && r->turning_rad_s > 0 ? r->turning_rad_s : r->is.natural_rad_s;
         if (w > 0) {
             r->slope[axis] +=
                 dt * (w * w * (wanted - r->speed[axis]) - 2 * r->is.damping * w * r->slope[axis]);

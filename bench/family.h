@@ -42,6 +42,7 @@ family_member family_member_drawn(uint64_t *state);
 typedef struct family_robot {
     /* the response */
     family_member is;
+    double turning_rad_s; /* natural frequency of turns, if that is another one; or 0 */
     double command[FAMILY_DEAD_MS][2]; /* of the last milliseconds */
     double target[2], speed[2], slope[2];
     uint32_t commanded_ms; /* when the last command came */

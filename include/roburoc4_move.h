@@ -76,7 +76,7 @@ extern "C" {
 #define ROBUROC4_MOVE_BUMPER 3          /* a bumper is pressed */
 #define ROBUROC4_MOVE_OBSTACLE 4        /* a telemeter saw something too near */
 #define ROBUROC4_MOVE_INHIBITED 5       /* it does not move: emergency stop, brakes, no power */
-#define ROBUROC4_MOVE_LOST 6            /* no fresh statuses of what the move needs */
+#define ROBUROC4_MOVE_LOST 6            /* statuses that it needs, or commands, do not arrive */
 #define ROBUROC4_MOVE_OTHER_COMMANDER 7 /* another client commands the robot */
 #define ROBUROC4_MOVE_TIMEOUT 8
 #define ROBUROC4_MOVE_CANCELLED 9 /* by roburoc4_move_cancel(), client_pause() or client_stop() */
@@ -148,17 +148,18 @@ typedef struct roburoc4_move {
     uint8_t private_kind, private_leg, private_ready, private_rolls;
     uint8_t private_still, private_bumpers, private_posed, private_begun;
     uint8_t private_driven, private_turned, private_rested, private_quiet_cycles, private_jolted,
-        private_unmeasured, private_padding[1];
+        private_unmeasured, private_stood_cycles;
     int8_t private_side;
-    float private_patience_s; /* left to wait until the robot does not swing any more */
-    uint32_t private_spare[5];
+    float private_patience_s;    /* left to wait until the robot does not swing any more */
+    uint32_t private_granted_us; /* when the client's last lease began, before this move's first */
+    uint32_t private_spare[4];
 } roburoc4_move;
 
 /* Begin a move in any memory. Nothing is sent: the first step plans the move.
  * options may be NULL for all defaults. ROBUROC4_ERR_NOT_FINITE: NaN or infinity.
- * ROBUROC4_ERR_ARGUMENT: more than 10 km or 10000 rad, or an option out of its range.
- * ROBUROC4_ERR_UNITS: an angle beyond two turns without the option for it (degrees?), or a speed
- * beyond ROBUROC4_MAX_DRIVE_M_S or _RAD_S. After an error the move is ended, as
+ * ROBUROC4_ERR_ARGUMENT: more than 10 km or 10000 rad, or an option that is NaN or out of its
+ * range. ROBUROC4_ERR_UNITS: an angle beyond two turns without the option for it (degrees?), or a
+ * speed beyond ROBUROC4_MAX_DRIVE_M_S or _RAD_S. After an error the move is ended, as
  * ROBUROC4_MOVE_CANCELLED. A speed beyond the client's ceilings ends the move at its first step, as
  * ROBUROC4_MOVE_TOO_FAST; the default speeds are lowered to them instead. */
 
@@ -180,13 +181,14 @@ ROBUROC4_API roburoc4_result roburoc4_move_to_pose(roburoc4_move *move, double x
 ROBUROC4_API roburoc4_result roburoc4_move_for(roburoc4_move *move, float linear_m_s,
                                                float angular_rad_s, uint32_t duration_ms,
                                                const roburoc4_move_options *options);
-/** Stop, and wait until the robot is at rest; armed or not. Other moves of the client end. */
+/** Stop, and wait until the robot is at rest; armed or not. Other moves of the client end. Nothing
+ * confirms a stop while [A] is not known: then it times out. */
 ROBUROC4_API roburoc4_result roburoc4_move_rest(roburoc4_move *move,
                                                 const roburoc4_move_options *options);
 
 /** Read the client's latest values and propose the next speeds. Call it after each receive(), and
  *  before the drive() that it proposes. The first steps propose 0 until the statuses that the move
- *  needs have arrived, at most 1 s, and while the robot still rolls. The last one calls
+ *  needs have arrived, at most 1 s. The last one calls
  *  roburoc4_client_pause(). A lease that ends without the move ends the move: as
  *  ROBUROC4_MOVE_CANCELLED after roburoc4_client_stop() or _pause() elsewhere in the program, as
  *  ROBUROC4_MOVE_LAPSED if it expired: then the client disarms, as after any lapse. Returns

@@ -257,9 +257,15 @@ static bool next_leg(roburoc4_move *m) {
     return true;
 }
 
-/** The curvature of the present leg. */
+/** The curvature of the present leg; a move for a time has no path to keep to. */
 static float curvature(const roburoc4_move *m) {
-    return roburoc4_move_axis(m) == ANGLE ? 0 : m->private_goal[ANGLE] / m->private_goal[LENGTH];
+    return m->private_kind == FOR || roburoc4_move_axis(m) == ANGLE
+               ? 0
+               : m->private_goal[ANGLE] / m->private_goal[LENGTH];
+}
+
+float roburoc4_move_stretch(const roburoc4_move *m) {
+    return 1 + within(curvature(m) * m->private_aside_m, 0.5F);
 }
 
 /** Not more than the robot's own limit, where that is known. */
@@ -288,9 +294,23 @@ static float set_profile(roburoc4_move *m, const roburoc4_move_view *v) {
         slope[LENGTH] = lesser(slope[LENGTH], slope[ANGLE] / bend);
     }
     for (uint32_t i = 0; i < BOTH; i++) {
-        seconds += is_zero(path[i]) ? 0 : roburoc4_move_axis_seconds(m, i, path[i]);
+        if (!is_zero(path[i]) && (i == LENGTH || to_place(m) || is_zero(path[LENGTH]))) {
+            seconds += roburoc4_move_axis_seconds(m, i, path[i]);
+        }
     }
     return seconds;
+}
+
+/** The speeds of a move for a time, in their proportion, within the robot's own limits. */
+static void obey_own_limits(roburoc4_move *m, const roburoc4_move_view *v) {
+    const float own[BOTH] = {v->max_linear_m_s, v->max_angular_rad_s};
+    float share = 1;
+    for (uint32_t i = 0; i < BOTH; i++) {
+        const float speed = magnitude(m->private_goal[i]);
+        share = is_zero(speed) ? share : lesser(share, at_most_own(speed, own[i]) / speed);
+    }
+    m->private_goal[LENGTH] *= share;
+    m->private_goal[ANGLE] *= share;
 }
 
 /** Twice the time of the profile, and 3 s. */
@@ -315,11 +335,10 @@ static float seconds_in(uint32_t cycles) {
     return (float)(int32_t)cycles * 0.01F;
 }
 
-/** Count a distance and an angle; `across_m` is to the left. Beside an arc, the way along it is
- * longer or shorter than that of the robot. */
+/** Count a distance and an angle; `across_m` is to the left. */
 static void cover(roburoc4_move *m, float distance_m, float across_m, float angle_rad) {
     const float bend = curvature(m);
-    const float along_m = distance_m * (1 + within(bend * m->private_aside_m, 0.5F));
+    const float along_m = distance_m * roburoc4_move_stretch(m);
     const float astray = m->private_covered[ANGLE] - bend * m->private_covered[LENGTH];
     m->private_aside_m += distance_m * (astray + 0.5F * (angle_rad - bend * along_m)) + across_m;
     m->private_covered[LENGTH] += along_m;
@@ -361,6 +380,14 @@ bool roburoc4_move_rolls(const roburoc4_move *m) {
            beyond(m->private_speed[ANGLE], rest_speed[ANGLE]);
 }
 
+/** How long the robot has stood; a single speed may be noise. */
+static void note_standing(roburoc4_move *m, uint32_t passed) {
+    const uint32_t stood = m->private_stood_cycles;
+    const uint32_t longer = stood + passed < UINT8_MAX ? stood + passed : UINT8_MAX;
+    const uint32_t shorter = stood > 2 * passed ? stood - 2 * passed : 0;
+    m->private_stood_cycles = (uint8_t)(roburoc4_move_rolls(m) ? shorter : longer);
+}
+
 /** A differential status: add the distance since the last one. */
 static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
     const float speeds[BOTH] = {v->linear_m_s, v->angular_rad_s};
@@ -368,7 +395,7 @@ static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
     const uint32_t quiet_cycles = m->private_quiet_cycles + passed;
     const float passed_s = seconds_in(passed);
     float covered[BOTH];
-    m->private_quiet_cycles = quiet_cycles < SHOWN_CYCLES ? (uint8_t)quiet_cycles : SHOWN_CYCLES;
+    m->private_quiet_cycles = quiet_cycles < UINT8_MAX ? (uint8_t)quiet_cycles : UINT8_MAX;
     if (m->private_still < UINT8_MAX) {
         m->private_still++;
     }
@@ -376,10 +403,12 @@ static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         const float speed = is_finite(speeds[axis]) ? speeds[axis] : 0;
         covered[axis] = 0.5F * (speed + m->private_speed[axis]) * passed_s;
-        m->private_by_speeds[axis] += covered[axis];
+        m->private_by_speeds[axis] +=
+            covered[axis] * (axis == LENGTH ? roburoc4_move_stretch(m) : 1);
         m->private_speed[axis] = speed;
     }
     m->private_unmeasured = !measured;
+    note_standing(m, passed);
     if (!measured || roburoc4_move_rolls(m)) {
         m->private_still = 0;
     }
@@ -398,7 +427,8 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
     const bool pose =
         m->private_posed && v->pose_cycles != 0 && v->pose_cycles != m->private_pose_cycles;
     for (uint32_t i = 0; i < BOTH; i++) {
-        m->private_commanded[i] += passed_s * sent[i];
+        m->private_commanded[i] +=
+            passed_s * sent[i] * (i == LENGTH ? roburoc4_move_stretch(m) : 1);
         m->private_lagging[i] +=
             passed_s / LAGGING_S * (m->private_commanded[i] - m->private_lagging[i]);
     }
@@ -511,8 +541,10 @@ static int32_t outcome_of(roburoc4_result cause) {
 /** Reasons to end the move, whether it has arrived or not. */
 static int32_t reason_to_end(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     int32_t outcome = ROBUROC4_MOVE_RUNNING;
-    if (m->private_kind == REST) {
-        outcome = v->overridden ? ROBUROC4_MOVE_OVERRIDE : ROBUROC4_MOVE_RUNNING;
+    if (v->overridden && (v->armed || m->private_kind == REST)) {
+        outcome = ROBUROC4_MOVE_OVERRIDE;
+    } else if (m->private_kind == REST) {
+        outcome = ROBUROC4_MOVE_RUNNING;
     } else if (v->inhibited) {
         outcome = ROBUROC4_MOVE_INHIBITED;
     } else if (!v->armed) {
@@ -521,7 +553,8 @@ static int32_t reason_to_end(roburoc4_move *m, const roburoc4_move_view *v, uint
     } else if (m->private_ready) {
         outcome = blocked(m, v);
         if (outcome == ROBUROC4_MOVE_RUNNING && witnesses_disagree(m)) {
-            outcome = ROBUROC4_MOVE_ODOMETRY;
+            const bool silent = m->private_posed && now_us - m->private_pose_us > SILENCE_US / 3;
+            outcome = silent ? ROBUROC4_MOVE_LOST : ROBUROC4_MOVE_ODOMETRY;
         }
     }
     return outcome != ROBUROC4_MOVE_RUNNING ? outcome
@@ -606,7 +639,7 @@ static void propose(roburoc4_move *m, float passed_s, uint64_t now_us) {
 /** At the goal of the leg, and about to stay there. */
 static bool arrived(const roburoc4_move *m) {
     const bool still =
-        m->private_still >= STILL_STATUSES && m->private_quiet_cycles == SHOWN_CYCLES;
+        m->private_still >= STILL_STATUSES && m->private_quiet_cycles >= SHOWN_CYCLES;
     return halted(m) && !m->private_unmeasured &&
            (m->private_kind == REST  ? still
             : m->private_kind == FOR ? still && m->private_first_us != 0
@@ -645,6 +678,9 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
     if (v->pose_cycles != 0 && !rest) {
         (void)note_pose(m, v);
         m->private_posed = 1;
+    }
+    if (m->private_kind == FOR) {
+        obey_own_limits(m, v);
     }
     const float profile_s = set_profile(m, v);
     if (to_place(m) && beyond(profile_s, FAR_M / m->private_limit[LENGTH])) {

@@ -27,32 +27,32 @@ enum { STEADY, DOUBTED, JOLTED };
  * times as many.
  *
  * What robots are like, and standard deviations of that; lag and bend grow together. */
-#define LAG_MEAN 0.33F
-#define BEND_MEAN 0.28F
-#define DELAY_MEAN 0.1F
-#define GAIN_SPREAD 0.14F
-#define LAG_SPREAD 0.44F
-#define BEND_SPREAD 0.16F
-#define DELAY_SPREAD 0.17F
-#define OFFSET_SPREAD 0.009F
-#define LAG_AND_BEND 0.8F
-#define FILTER_S 0.58F
+#define LAG_MEAN 0.39F
+#define BEND_MEAN 0.19F
+#define DELAY_MEAN 0.13F
+#define GAIN_SPREAD 0.12F
+#define LAG_SPREAD 0.43F
+#define BEND_SPREAD 0.18F
+#define DELAY_SPREAD 0.13F
+#define OFFSET_SPREAD 0.0082F
+#define LAG_AND_BEND 0.91F
+#define FILTER_S 0.84F
 /* How far off the equation is for a robot that stands, and more per speed; how much is known of
  * that, in statuses; and how fast the offset drifts. */
-#define NOISE_M 0.0064F
-#define NOISE_S 0.006F
-#define NOISE_STATUSES 11.7F
-#define DRIFT_M2_S 2e-6F
+#define NOISE_M 0.0043F
+#define NOISE_S 0.0055F
+#define NOISE_STATUSES 17.0F
+#define DRIFT_M2_S 2.1e-6F
 /* The gain may be larger by so many standard deviations, but no gain is farther from 1. */
-#define CAUTION 0.96F
+#define CAUTION 0.66F
 #define GAIN_RANGE 0.5F
 /* Time constant of the approach to the goal, and how it grows with the doubt. */
-#define APPROACH_S 0.072F
-#define APPROACH_S_PER_M 4.0F
+#define APPROACH_S 0.068F
+#define APPROACH_S_PER_M 4.8F
 /* A pose that is repeated for longer is that of a robot that stands. */
 #define POSE_AGE_S 0.3F
 /* How single speeds are smoothed. */
-#define SMOOTH 0.74F
+#define SMOOTH 0.77F
 /* No command changes a speed so fast: something stopped the wheels, or let them go. What was
  * learned is wrong then, until they roll again. */
 #define JOLT 0.2F
@@ -72,11 +72,13 @@ enum { STEADY, DOUBTED, JOLTED };
  * the end of each swing, too. So one whose bend is larger than `swings` is at its goal only if its
  * two smoothed positions agree within `settled`; but a move waits for that no longer than so many
  * times its profile, and some seconds. */
-#define SWINGS_S2 0.2F
-#define CALM_S2 0.25F
+#define SWINGS_S2 0.22F
+#define CALM_S2 0.24F
+/* A robot that stands for so long, and was told nothing, is at rest, whatever was learned. */
+#define STOOD_CYCLES 150
 #define SETTLED 0.007F
 #define SETTLE_TIMES 1.5F
-#define SETTLE_MARGIN_S 1.8F
+#define SETTLE_MARGIN_S 1.5F
 
 static const float unit[BOTH] = {1, 1.75F};
 
@@ -186,9 +188,9 @@ void roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, boo
     roburoc4_private_fit *f = &m->private_fit;
     m->private_patience_s -= passed_s;
     f->since_s = covered ? 0 : lesser(f->since_s + passed_s, POSE_AGE_S);
+    const float speed = m->private_speed[axis] * (axis == LENGTH ? roburoc4_move_stretch(m) : 1);
     const float signals[SIGNALS] = {m->private_commanded[axis],
-                                    m->private_covered[axis] + f->since_s * m->private_speed[axis],
-                                    m->private_speed[axis]};
+                                    m->private_covered[axis] + f->since_s * speed, speed};
     if (speeds) {
         m->private_jolted = jolts(m, axis);
         if (m->private_jolted == JOLTED) {
@@ -205,6 +207,11 @@ void roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, boo
     }
     if (speeds || covered) {
         fit(m, passed_s);
+    }
+    if (m->private_quiet_cycles >= STOOD_CYCLES && m->private_stood_cycles >= STOOD_CYCLES) {
+        learn_anew(m, signals);
+        m->private_side = 0;
+        m->private_turned = 0;
     }
 }
 
@@ -309,5 +316,5 @@ bool roburoc4_move_axis_arrived(const roburoc4_move *m) {
     const float bound = near_goal(m), goal = m->private_goal[axis];
     return slow(m) && settled(m) && !beyond(roburoc4_move_left(m, axis), REACHED * bound) &&
            !beyond(goal - rest_at(m), REACHED * bound) &&
-           !beyond(doubt(m, goal), DOUBT_MOST * unit[axis]);
+           !beyond(doubt(m, m->private_commanded[axis]), DOUBT_MOST * unit[axis]);
 }

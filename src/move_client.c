@@ -112,7 +112,7 @@ static bool too_fast(roburoc4_move *m, const roburoc4_client *client) {
     float *asked[BOTH] = {&m->private_options.linear_m_s, &m->private_options.angular_rad_s};
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         if (beyond(m->private_kind == FOR ? m->private_goal[axis] : *asked[axis], ceilings[axis]) &&
-            (m->private_kind == FOR || beyond(*asked[axis], defaults[axis]))) {
+            (m->private_kind == FOR || !is_zero(*asked[axis] - defaults[axis]))) {
             return true;
         }
         *asked[axis] = lesser(*asked[axis], ceilings[axis]);
@@ -131,8 +131,12 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
     const bool lapsed = facts.armed && facts.lapsed;
     const bool unconfirmed =
         move->private_kind == REST && facts.stop_outcome == ROBUROC4_STOP_TIMED_OUT;
-    move->private_driven |= facts.driving;
-    if (!move->private_ready && too_fast(move, client)) {
+    if (!move->private_begun) {
+        move->private_granted_us = client->private_drive.granted_us;
+    }
+    move->private_driven |=
+        facts.driving || client->private_drive.granted_us != move->private_granted_us;
+    if (!move->private_ready && move->private_kind != REST && too_fast(move, client)) {
         roburoc4_move_end(move, ROBUROC4_MOVE_TOO_FAST);
     } else if (move->private_kind != REST && move->private_driven && !facts.driving &&
                facts.armed) { /* the lease ended without this move */
@@ -178,7 +182,7 @@ const char *roburoc4_move_outcome_text(int32_t outcome) {
         "a bumper is pressed: check what it touches, then back away",
         "a telemeter sees something too near: clear the way, or give a smaller clearance",
         "the robot does not move: check emergency stops, brakes selector and motor power",
-        "no fresh statuses of what the move needs: check the link and the subscriptions",
+        "statuses or commands do not arrive: check the link and the subscriptions",
         "another client commands the robot: end that one first",
         "timed out: check what blocks the robot, or allow more time",
         "cancelled, or the client is not armed",

@@ -81,7 +81,7 @@ lost)
     kill "$simulator"
     simulator=
     end_of_drive 1
-    grep -q 'no fresh statuses' said
+    grep -q 'statuses or commands do not arrive' said
     ;;
 pump)
     # The example at the top of roburoc4_pump.h, in a program that wants it to drive for 2 s.

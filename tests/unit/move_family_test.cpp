@@ -112,6 +112,82 @@ TEST_F(MoveFault, ForATimeMayBeginWhileTheRobotRolls) {
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, go());
 }
 
+TEST_F(MoveFault, RestNeedsNoSpeeds) {
+    arm();
+    options.linear_m_s = 4;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_drive(&rig.client, 0.5F, 0, 0, family_now_us(&rig)));
+    family_pass(&rig, 200);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, go());
+}
+
+TEST_F(MoveFault, APauseAfterItsFirstStepEndsIt) {
+    arm();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, &options));
+    ASSERT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step(&move, &rig.client, family_now_us(&rig)));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_drive(&rig.client, move.linear_m_s, move.angular_rad_s,
+                                                 0, family_now_us(&rig)));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_pause(&rig.client, family_now_us(&rig)));
+    family_pass(&rig, 10);
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, roburoc4_move_step(&move, &rig.client, family_now_us(&rig)));
+}
+
+/* ------------------------------------------------------------ turns that respond as they like */
+
+class MoveInACurve : public MoveFault {
+  protected:
+    MoveInACurve() {
+        std::printf("seed %llu\n", static_cast<unsigned long long>(state));
+    }
+    double between(double low, double high) {
+        return std::uniform_real_distribution<double>(low, high)(draw);
+    }
+    void draw_robot() {
+        family_member member = family_member_drawn(&state);
+        if (state % 2 == 0)
+            member.natural_rad_s = 0;
+        ASSERT_EQ(1, family_open(&rig, &member, state));
+        rig.loss = 0;
+        rig.robot.turning_rad_s = between(1.5, 8);
+    }
+    std::uint64_t state = std::random_device{}();
+    std::mt19937_64 draw{state};
+};
+
+/** A person nearby takes a robot that stands for done. */
+TEST_F(MoveInACurve, NeverStandsForLongAndThenGoesOn) {
+    for (int i = 0; i < 300; i++) {
+        draw_robot();
+        const float length_m = static_cast<float>(between(0.4, 3));
+        const float angle_rad = static_cast<float>(between(-3, 3));
+        const double from_s = between(0, 6), span_s = i % 2 == 0 ? between(0.05, 0.8) : 0;
+        const double begun_s = 1e-3 * rig.now_ms;
+        double moved_s = begun_s;
+        (void)by(length_m, angle_rad, [&] {
+            const double now_s = 1e-3 * rig.now_ms;
+            for (int axis = 0; axis < 2 && now_s > begun_s + from_s; axis++)
+                if (now_s < begun_s + from_s + span_s)
+                    rig.robot.speed[axis] = rig.robot.slope[axis] = 0;
+            if (move.linear_m_s != 0 || move.angular_rad_s != 0) {
+                EXPECT_LT(now_s, moved_s + 5) << i;
+                moved_s = now_s;
+            } else if (std::fabs(rig.robot.speed[0]) + std::fabs(rig.robot.speed[1]) > 0.05)
+                moved_s = now_s;
+        });
+    }
+}
+
+TEST_F(MoveInACurve, ForATimeIsNoFaultOfOdometry) {
+    for (int i = 0; i < 200; i++) {
+        draw_robot();
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_move_for(&move, static_cast<float>(between(-1, 1)),
+                                    static_cast<float>(between(-1, 1)),
+                                    static_cast<std::uint32_t>(between(1000, 6000)), &options));
+        EXPECT_EQ(ROBUROC4_MOVE_REACHED, go()) << i;
+    }
+}
+
 /* -------------------------------------------------------------------------- an interrupted way */
 
 /** Wheels that stand still for a moment, as by an emergency stop: what was learned before is wrong,
@@ -153,6 +229,16 @@ TEST_F(MoveFault, GoesNoFurtherThanItsGoalAfterAnInterruption) {
 }
 
 /* ------------------------------------------------------------------------------ the witnesses */
+
+TEST_F(MoveFault, WithoutPosesItIsLost) {
+    arm();
+    const std::uint32_t silent_ms = rig.now_ms + 1500;
+    EXPECT_EQ(ROBUROC4_MOVE_LOST, by(2, 0, [&] {
+                  if (rig.now_ms > silent_ms)
+                      rig.robot.silent |= 1U << ROBUROC4_SERVICE_LOCALIZATION;
+              }));
+    EXPECT_LT(drove(), 1.2);
+}
 
 TEST_F(MoveFault, FrozenOdometryEndsIt) {
     arm();

@@ -955,6 +955,23 @@ TEST_F(MoveView, AnArcEndsWithATurnWhereItsAngleIsMissed) {
     EXPECT_NEAR(0.2F, move.distance_m, 0.01F) << "of all legs";
 }
 
+TEST_F(MoveView, ForATimeObeysTheRobotsOwnLimits) {
+    view.max_linear_m_s = 1;
+    view.max_angular_rad_s = 0.2F;
+    roburoc4_move_for(&move, 0.5F, 0.5F, 3000, &options);
+    for (int i = 0; i < 40; i++)
+        follow();
+    EXPECT_FLOAT_EQ(0.2F, move.angular_rad_s);
+    EXPECT_FLOAT_EQ(0.2F, move.linear_m_s) << "the same curve";
+}
+
+TEST_F(MoveView, AnOverrideEndsIt) {
+    roburoc4_move_by(&move, 1, 0, &options);
+    step();
+    view.overridden = 1;
+    EXPECT_EQ(ROBUROC4_MOVE_OVERRIDE, step());
+}
+
 TEST_F(MoveView, OneStatusOfStandingWheelsMayBeNoise) {
     double took_s[2];
     options.angular_rad_s = 0.3F;
