@@ -131,9 +131,11 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_EVENT_DIFFERENTIAL 0x00000400 /* likewise */
 #define ROBUROC4_EVENT_ARMED 0x00000800        /* became armed */
 #define ROBUROC4_EVENT_DISARMED 0x00001000     /* disarmed; see disarm_cause */
-#define ROBUROC4_EVENT_LAPSED 0x00002000       /* a lease expired; see lapsed */
-#define ROBUROC4_EVENT_STOPPED 0x00004000      /* a stop sequence ended, confirmed by the robot */
-#define ROBUROC4_EVENT_OVERRIDE 0x00008000     /* game pad [A] was pressed or released */
+#define ROBUROC4_EVENT_LAPSED                                                                      \
+    0x00002000                            /* a lease expired, and nothing else had disarmed it yet \
+                                           */
+#define ROBUROC4_EVENT_STOPPED 0x00004000 /* a stop sequence ended, confirmed by the robot */
+#define ROBUROC4_EVENT_OVERRIDE 0x00008000          /* game pad [A] was pressed or released */
 #define ROBUROC4_EVENT_OTHER_COMMANDER 0x00010000   /* another client commands, or no longer */
 #define ROBUROC4_EVENT_INHIBITED 0x00020000         /* commanded but not moving, or no longer */
 #define ROBUROC4_EVENT_BATTERY_LOW 0x00040000       /* remaining fell below minimum_percent */
@@ -151,10 +153,11 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
     0x20000000 /* a stop sequence ended unconfirmed: see stop_outcome, until the next begins */
 
 /** How the last stop sequence ended: stop_outcome of roburoc4_facts. */
-#define ROBUROC4_STOP_NONE 0       /* none was sent yet */
-#define ROBUROC4_STOP_RUNNING 1    /* it has not ended */
-#define ROBUROC4_STOP_CONFIRMED 2  /* a status from well after the zeros shows both targets 0 */
-#define ROBUROC4_STOP_TIMED_OUT 3  /* robot_watchdog_ms passed without that */
+#define ROBUROC4_STOP_NONE 0      /* none was sent yet */
+#define ROBUROC4_STOP_RUNNING 1   /* it has not ended */
+#define ROBUROC4_STOP_CONFIRMED 2 /* a status from well after the zeros shows both targets 0 */
+#define ROBUROC4_STOP_TIMED_OUT                                                                    \
+    3 /* robot_watchdog_ms passed without that, or there is no service for zeros */
 #define ROBUROC4_STOP_OVERRIDDEN 4 /* [A] was held, so the robot may have ignored the zeros */
 
 /** What an IO input is for, independent of its index. */
@@ -174,10 +177,12 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_ID_AUTO (-1)
 
 /** Bits of roburoc4_config.options. */
-/* preserve curvature: if one speed exceeds its limit, reduce both by the same factor */
+/* preserve curvature: if a speed, or that of the outer wheels, exceeds its limit, reduce both by
+ * the same factor */
 #define ROBUROC4_OPTION_TURN_KEEPING 0x01
 /* for a robot without game pad inputs. An IO card that is listed must still report its counts; if
- * none is listed, every service must be identified by type or text */
+ * none is listed, every service must be identified by type or text, or by properties that fit the
+ * manual's id */
 #define ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE 0x02
 /* stay armed when another client commands; also for a robot that reports ramped targets */
 #define ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER 0x04
@@ -314,7 +319,8 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
  * of these reasons except _MOVING applies, when the robot does not follow its speeds (_INHIBITED),
  * when commands reach it late (_UPLINK), and lapse_disarm_ms after a lease expired (_LAPSED).
  * Arming an armed client is fine. A ready client may not be armable yet, as the first statuses come
- * later: ROBUROC4_EVENT_ARMABLE is raised whenever arming becomes possible; roburoc4_pump_arm()
+ * later: ROBUROC4_EVENT_ARMABLE is raised when arming becomes possible (again,
+ * if it was not for more than a few statuses); roburoc4_pump_arm()
  * waits for it. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client,
                                                                      uint64_t now_us);
@@ -389,8 +395,8 @@ typedef struct roburoc4_facts {
                            UINT32_MAX if there is none, or it is from before the robot was found */
 } roburoc4_facts;
 /** Ages, `driving`, `lapsed` and `lease_left_us` are those of now_us; what else changes with time,
- * such as `armed`, is that of the last call of poll_transmit(), receive(), arm() or drive(): after
- * a hang, poll first. ROBUROC4_ERR_SIZE for a size that the library does not know. */
+ * such as `armed`, is that of the last call of poll_transmit(), arm() or drive(): after a hang,
+ * poll first. ROBUROC4_ERR_SIZE for a size that the library does not know. */
 ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client, uint64_t now_us,
                                                    roburoc4_facts *out);
 
@@ -489,7 +495,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_distances(const roburoc4_client *cl
                                                        roburoc4_distances *out, uint64_t *host_us);
 
 /* Outputs. A command carries all outputs, and the robot does not report them: outputs that were
- * never set are sent as 0. Each change is sent three times. */
+ * not set since the robot was found are sent as 0. Each change is sent three times. */
 
 /** Set the digital outputs selected by `mask` to their bits in `values`, in one datagram; all or
  *  none. ROBUROC4_ERR_UNKNOWN before the counts are known, _RESERVED for output 0, _INDEX beyond
@@ -638,7 +644,8 @@ typedef struct roburoc4_private_discovery {
     uint16_t types[ROBUROC4_MAX_SERVICES], ids[ROBUROC4_MAX_SERVICES];
     uint8_t claims[ROBUROC4_MAX_SERVICES];
     uint8_t text_due, doubted, doubted_list, doubted_roles;
-    uint16_t doubted_index, reserved;
+    uint16_t doubted_index;
+    uint8_t fitting, reserved; /* services whose properties had the right length */
     uint64_t bumpers[2];
 } roburoc4_private_discovery;
 

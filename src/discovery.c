@@ -15,7 +15,7 @@ void roburoc4_discovery_clear(discovery *d) {
 
 void roburoc4_discovery_restart(discovery *d) {
     d->identified = 0;
-    d->known = 0;
+    d->known = d->fitting = 0;
     d->refused = 0;
     d->texts_done = 0;
     d->doubted = 0;
@@ -126,6 +126,18 @@ bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *conf
     for (uint32_t i = 0; i < d->service_count; i++) {
         if (kind_set(config, d->ids[i]) == CLAIM_NONE &&
             (unseen(d, i) || d->claims[i] == CLAIM_DOUBT)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool roburoc4_discovery_guessed(const discovery *d, const roburoc4_config *config) {
+    for (uint32_t i = 0; i < d->service_count; i++) {
+        const uint16_t id = d->ids[i];
+        if (id > ROBUROC4_SERVICE_NOTIFICATION && id < ROBUROC4_SERVICE_COUNT &&
+            kind_set(config, id) == CLAIM_NONE && kind_of_type(d->types[i]) == CLAIM_NONE &&
+            d->claims[i] >= ROBUROC4_SERVICE_COUNT && (d->fitting & service_bit(id)) == 0) {
             return true;
         }
     }

@@ -320,6 +320,8 @@ bool roburoc4_discovery_may_drive(const discovery *d, const roburoc4_config *con
 /** Whether the directory has a service that neither settings, type nor text identify for certain.
  */
 bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *config);
+/** Whether the manual's id alone says what a service is, and its properties have not shown it. */
+bool roburoc4_discovery_guessed(const discovery *d, const roburoc4_config *config);
 /** Assign ids to services; true if a known service has another id now. */
 bool roburoc4_discovery_identify(discovery *d, const roburoc4_config *config);
 /** A text arrived for an element of the directory, or (io_type 0 to 3) for a channel. True if an

@@ -231,7 +231,9 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     f.sent_angular_rad_s = d->sent[1];
     f.lapsed = d->lapsed || (d->lease_active && !f.driving);
     f.stop_outcome = f.stopping ? ROBUROC4_STOP_RUNNING : d->outcome;
-    f.battery_known = c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_BATTERY)].fresh;
+    f.battery_known = c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_BATTERY)].fresh &&
+                      (f.battery_low ||
+                       (c->private_discovery.known & service_bit(ROBUROC4_SERVICE_BATTERY)) != 0);
     f.missing = roburoc4_subscriptions_missing(&c->private_subscriptions, &c->private_config,
                                                &c->private_discovery);
     memset(f.reserved, 0, sizeof f.reserved);

@@ -641,6 +641,21 @@ TEST(UnknownOverride, IsNotAllowedWhileAServiceIsNotKnown) {
     }
 }
 
+/* A card with the battery's id would be taken for the battery. */
+TEST(UnknownOverride, IsNotAllowedIfTheManualsIdAloneSaysWhatAServiceIs) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    ScriptedRobot robot;
+    robot.remove(ROBUROC4_SERVICE_BATTERY);
+    robot.service(ROBUROC4_SERVICE_IOCARD).type = 0x7100;
+    robot.service(ROBUROC4_SERVICE_IOCARD).id = ROBUROC4_SERVICE_BATTERY;
+    robot.texts_refused = true;
+    Bench bench(robot, config);
+    bench.ready();
+    bench.run(20 * second);
+    EXPECT_NE(ROBUROC4_OK, bench.arm());
+}
+
 TEST(UnknownOverride, IsNotAllowedBeforeTextsWereRequested) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;

@@ -472,6 +472,20 @@ TEST(Lapse, IsForgivenByANewLeaseInTimeAndByAPause) {
     EXPECT_EQ(1, bench.facts().armed);
 }
 
+TEST(Lapse, IsNotForgivenByAPauseThatComesTooLate) {
+    for (const std::uint32_t hang_ms : {1240U, 1260U}) {
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 500 * ms));
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
+        bench.now_us += hang_ms * ms; /* the lease of 250 ms, and a second */
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_client_pause(&bench.client, bench.now_us));
+        EXPECT_EQ(hang_ms < 1250, bench.facts().armed);
+        EXPECT_EQ(hang_ms < 1250 ? ROBUROC4_OK : ROBUROC4_ERR_LAPSED, bench.facts().disarm_cause);
+    }
+}
+
 TEST(Lapse, AProgramThatHungNeverDrivesOn) {
     for (const bool pump_runs_on : {false, true}) {
         SCOPED_TRACE(pump_runs_on);
