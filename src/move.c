@@ -264,8 +264,16 @@ static float curvature(const roburoc4_move *m) {
                : m->private_goal[ANGLE] / m->private_goal[LENGTH];
 }
 
+/** By how much the robot is turned to the left of its line or arc. */
+static float astray(const roburoc4_move *m) {
+    return m->private_covered[ANGLE] - curvature(m) * m->private_covered[LENGTH];
+}
+
 float roburoc4_move_stretch(const roburoc4_move *m) {
-    return 1 + within(curvature(m) * m->private_aside_m, 0.5F);
+    return m->private_kind == FOR || roburoc4_move_axis(m) == ANGLE
+               ? 1
+               : sine_of(astray(m) + PI_F / 2) /
+                     (1 - within(curvature(m) * m->private_aside_m, 0.5F));
 }
 
 /** Not more than the robot's own limit, where that is known. */
@@ -337,10 +345,9 @@ static float seconds_in(uint32_t cycles) {
 
 /** Count a distance and an angle; `across_m` is to the left. */
 static void cover(roburoc4_move *m, float distance_m, float across_m, float angle_rad) {
-    const float bend = curvature(m);
     const float along_m = distance_m * roburoc4_move_stretch(m);
-    const float astray = m->private_covered[ANGLE] - bend * m->private_covered[LENGTH];
-    m->private_aside_m += distance_m * (astray + 0.5F * (angle_rad - bend * along_m)) + across_m;
+    const float half_turned = 0.5F * (angle_rad - curvature(m) * along_m);
+    m->private_aside_m += distance_m * sine_of(astray(m) + half_turned) + across_m;
     m->private_covered[LENGTH] += along_m;
     m->private_covered[ANGLE] += angle_rad;
     m->distance_m += distance_m;

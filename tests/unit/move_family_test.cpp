@@ -177,6 +177,22 @@ TEST_F(MoveInACurve, NeverStandsForLongAndThenGoesOn) {
     }
 }
 
+TEST_F(MoveInACurve, IsReachedOnItsArcOnly) {
+    for (int i = 0; i < 600; i++) {
+        draw_robot();
+        const double length_m = between(0.4, 3), angle_rad = between(0.3, 3);
+        const double x_m = rig.robot.x_m, y_m = rig.robot.y_m,
+                     left = rig.robot.theta_rad + 90 * degree;
+        const double radius_m = length_m / angle_rad;
+        if (by(static_cast<float>(length_m), static_cast<float>(angle_rad)) !=
+            ROBUROC4_MOVE_REACHED)
+            continue;
+        const double from_middle_m = std::hypot(rig.robot.x_m - x_m - radius_m * std::cos(left),
+                                                rig.robot.y_m - y_m - radius_m * std::sin(left));
+        EXPECT_NEAR(radius_m, from_middle_m, 0.03 + 0.01 * length_m) << i;
+    }
+}
+
 TEST_F(MoveInACurve, ForATimeIsNoFaultOfOdometry) {
     for (int i = 0; i < 200; i++) {
         draw_robot();
