@@ -139,10 +139,12 @@ void Judge::drive(roburoc4_result result, Speeds speeds, std::uint64_t client_us
     target_ = speeds;
 }
 
-void Judge::pause(roburoc4_result result, bool was_armed, bool is_armed) {
-    require(result >= 0 && (is_armed || !was_armed || clock_back_ != 0), pausing);
+void Judge::pause(roburoc4_result result, bool was_armed, bool is_armed, std::uint64_t client_us) {
+    const bool late = lapsed_ != 0 && since(granted_us_ + lease_us, client_us) >= lapse_us;
+    require(result >= 0 && (is_armed || !was_armed || clock_back_ != 0 || late), pausing);
+    require(!is_armed || !late, lapse);
     end_lease();
-    lapsed_ = 0;
+    lapsed_ = late ? 1 : 0;
     wanted_ = stop_called_ = 1;
 }
 

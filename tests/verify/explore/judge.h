@@ -68,7 +68,7 @@ class Judge {
     void called(std::uint64_t client_us); /* before any call, with the time that it will get */
     void arm(roburoc4_result result, const roburoc4_facts &before, std::uint64_t true_us);
     void drive(roburoc4_result result, Speeds speeds, std::uint64_t client_us);
-    void pause(roburoc4_result result, bool was_armed, bool is_armed);
+    void pause(roburoc4_result result, bool was_armed, bool is_armed, std::uint64_t client_us);
     void stop(roburoc4_result result, bool is_armed);
     /* Statuses that the client used. */
     void io_status(bool held, std::uint64_t made_us, std::uint8_t boot);

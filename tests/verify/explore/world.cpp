@@ -96,7 +96,7 @@ bool World::step(char letter) {
         const roburoc4_result result = client_.pause(now);
         say("pause: %d", result);
         note(static_cast<std::uint32_t>(result));
-        judge_.pause(result, was_armed, facts().armed != 0);
+        judge_.pause(result, was_armed, facts().armed != 0, now);
         break;
     }
     case 'S': {

@@ -297,11 +297,12 @@ void Oracle::paused(Moment now, std::int32_t result) {
     observe(now);
     if (result < 0)
         return;
-    pausing_ = armed_;
+    const bool late = now.client_us >= lapse_us_; /* that lapse is not forgiven */
+    pausing_ = armed_ && !late;
     if (armed_)
         reach(Reached::paused);
     end_driving(now, Promise::speed_needs_lease);
-    lapse_us_ = UINT64_MAX;
+    lapse_us_ = late ? lapse_us_ : UINT64_MAX;
     stop_requested_ = unconfirmed_ = true;
     stop_requested_us_ = stop_.again_us = now.true_us;
 }
