@@ -23,8 +23,8 @@ enum { STEADY, DOUBTED, JOLTED };
 
 /* The constants below were found by a search on robots that were drawn at random between the
  * values of bench/family.c; but for `reached` and `slow`, which a move promises, and `pose_age`,
- * `jolt` and `stands`, which were chosen. Lengths and speeds are in meters; radians are `unit`
- * times as many.
+ * `jolt`, `stands` and `stood`, which were chosen. Lengths and speeds are in meters; radians are
+ * `unit` times as many.
  *
  * What robots are like, and standard deviations of that; lag and bend grow together. */
 #define LAG_MEAN 0.39F
@@ -68,17 +68,17 @@ enum { STEADY, DOUBTED, JOLTED };
 #define DOUBT_MOST 0.01F
 /* By `reached`: where the robot may be if it turned back twice, or took long. */
 #define LENIENT 1.9F
-/* These were found on bench/family.c itself. A robot that responds slowly swings, and is slow at
- * the end of each swing, too. So one whose bend is larger than `swings` is at its goal only if its
- * two smoothed positions agree within `settled`; but a move waits for that no longer than so many
- * times its profile, and some seconds. */
+/* A robot that responds slowly swings, and is slow at the end of each swing, too. So one whose bend
+ * is larger than `swings` is at its goal only if its two smoothed positions agree within `settled`;
+ * but a move waits for that no longer than so many times its profile, and some seconds. If its bend
+ * is larger than `calm`, it is braked more gently. */
 #define SWINGS_S2 0.22F
 #define CALM_S2 0.24F
-/* A robot that stands for so long, and was told nothing, is at rest, whatever was learned. */
-#define STOOD_CYCLES 150
 #define SETTLED 0.007F
 #define SETTLE_TIMES 1.5F
 #define SETTLE_MARGIN_S 1.5F
+/* A robot that stands for so long, and was told nothing, is at rest, whatever was learned. */
+#define STOOD_CYCLES 150
 
 static const float unit[BOTH] = {1, 1.75F};
 
