@@ -36,7 +36,7 @@ bool searching(const Report &report) {
 
 /* "About two seconds", and longer for small targets; UINT64_MAX where it need not be noticed. */
 std::uint64_t follow_us(float size) {
-    return size >= 0.2F ? 7000000 : size >= 0.05F ? 10000000 : UINT64_MAX;
+    return size >= 0.2F ? 8000000 : size >= 0.05F ? 10000000 : UINT64_MAX;
 }
 
 } // namespace
