@@ -28,8 +28,7 @@
  *                 that is lower, and none changes faster than the requested acceleration, also when
  *                 braking. (The end of a move that is not reached is a stop sequence: at once.)
  *   The beginning A robot that still rolls is first brought to rest, at the requested acceleration.
- *                 Distance and angle count from where the move began; a way aside in a curve that
- *                 it rolled meanwhile is not made up for.
+ *                 Distance and angle count from there.
  *   Braking       The move knows how much distance it has commanded and how much of it the robot
  *                 has covered. From both it learns how late and how far this robot follows, and
  *                 brakes the earlier the less it knows. Where something stops the wheels in

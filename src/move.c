@@ -31,6 +31,9 @@ static const float rolling_speed[BOTH] = {0.1F, 0.2F};
 static const float disagreement[BOTH] = {0.15F, 0.26F};
 #define DISAGREEMENT_SHARE 0.2F
 #define LAGGING_S 2.0F
+/* A robot so far beside its line or arc, or so far turned from it, is off its course. */
+#define STRAY_M 0.5F
+#define STRAY_RAD 1.0F
 
 /* ------------------------------------------------------------------------ arithmetic, no libm */
 
@@ -528,6 +531,12 @@ static bool witnesses_disagree(const roburoc4_move *m) {
     return false;
 }
 
+/** So far from its line or arc that it would hardly find back: it does not turn as it drives. */
+static bool strays(const roburoc4_move *m) {
+    return !m->private_rolls && m->private_kind != FOR && roburoc4_move_axis(m) == LENGTH &&
+           (beyond(m->private_aside_m, STRAY_M) || beyond(astray(m), STRAY_RAD));
+}
+
 static int32_t outcome_of(roburoc4_result cause) {
     static const int8_t outcomes[][2] = {
         {ROBUROC4_ERR_OVERRIDE, ROBUROC4_MOVE_OVERRIDE},
@@ -559,7 +568,9 @@ static int32_t reason_to_end(roburoc4_move *m, const roburoc4_move_view *v, uint
         outcome = outcome_of(m->cause);
     } else if (m->private_ready) {
         outcome = blocked(m, v);
-        if (outcome == ROBUROC4_MOVE_RUNNING && witnesses_disagree(m)) {
+        if (outcome == ROBUROC4_MOVE_RUNNING && strays(m)) {
+            outcome = ROBUROC4_MOVE_OFF_COURSE;
+        } else if (outcome == ROBUROC4_MOVE_RUNNING && witnesses_disagree(m)) {
             const bool silent = m->private_posed && now_us - m->private_pose_us > SILENCE_US / 3;
             outcome = silent ? ROBUROC4_MOVE_LOST : ROBUROC4_MOVE_ODOMETRY;
         }
@@ -613,9 +624,8 @@ static float share_for(roburoc4_move *m, float passed_s, uint64_t now_us) {
 static bool rolls(roburoc4_move *m) {
     if (m->private_rolls && halted(m) && m->private_still >= STILL_STATUSES) {
         m->private_rolls = 0;
-        if (m->private_kind == FOR) {
-            forget_way(m);
-        } else {
+        forget_way(m);
+        if (m->private_kind != FOR) {
             m->private_leg = 0;
             (void)next_leg(m);
         }
@@ -655,6 +665,13 @@ static bool arrived(const roburoc4_move *m) {
 
 /* ------------------------------------------------------------------------------------ one step */
 
+/** The smaller of two speeds; 0 if they differ in sign, or one is no number. */
+static float smaller(float a, float b) {
+    return !is_finite(a) || !is_finite(b) || order_of(a) * (int64_t)order_of(b) <= 0 ? 0
+           : beyond(a, magnitude(b))                                                 ? b
+                                                                                     : a;
+}
+
 /** Plan the move as soon as everything that it needs is known, or after a second end it with what
  * is missing. */
 static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
@@ -672,9 +689,9 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
                : unseen != ROBUROC4_MOVE_RUNNING          ? unseen
                                                           : ROBUROC4_MOVE_LOST;
     }
-    if (!rest) {
-        m->linear_m_s = v->sent_linear_m_s;
-        m->angular_rad_s = v->sent_angular_rad_s;
+    if (!rest) { /* a command that the robot has not followed yet is taken back at once */
+        m->linear_m_s = smaller(v->sent_linear_m_s, v->linear_m_s);
+        m->angular_rad_s = smaller(v->sent_angular_rad_s, v->angular_rad_s);
     }
     m->private_rolls = !halted(m) || beyond(v->linear_m_s, rolling_speed[LENGTH]) ||
                        beyond(v->angular_rad_s, rolling_speed[ANGLE]);

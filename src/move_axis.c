@@ -79,6 +79,9 @@ enum { STEADY, DOUBTED, JOLTED };
 #define SETTLE_MARGIN_S 1.5F
 /* A robot that stands for so long, and was told nothing, is at rest, whatever was learned. */
 #define STOOD_CYCLES 150
+/* None rolls farther than this; after a long way, what was learned is not so exact. */
+#define ROLLS_S 2.5F
+#define ROLLS_M 0.05F
 
 static const float unit[BOTH] = {1, 1.75F};
 
@@ -231,8 +234,10 @@ static float doubt(const roburoc4_move *m, float commanded) {
 
 float roburoc4_move_axis_rolls(const roburoc4_move *m) {
     const float commanded = m->private_commanded[LENGTH];
-    return magnitude(m->private_fit.gain * commanded - m->private_by_speeds[LENGTH]) +
-           2 * doubt(m, commanded);
+    const float most = ROLLS_S * (magnitude(m->private_speed[LENGTH]) + magnitude(m->linear_m_s));
+    return lesser(magnitude(m->private_fit.gain * commanded - m->private_by_speeds[LENGTH]) +
+                      2 * doubt(m, commanded),
+                  most + ROLLS_M);
 }
 
 /** Nothing is commanded, and the robot nearly stands. */

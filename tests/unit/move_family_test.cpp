@@ -112,6 +112,58 @@ TEST_F(MoveFault, ForATimeMayBeginWhileTheRobotRolls) {
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, go());
 }
 
+TEST_F(MoveFault, ATurnBegunWhileItRollsIsInPlace) {
+    arm();
+    for (int i = 0; i < 20; i++) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_drive(&rig.client, 0.5F, 0, 0, family_now_us(&rig)));
+        family_pass(&rig, 100);
+    }
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, by(0, static_cast<float>(180 * degree)));
+    EXPECT_LT(std::fabs(drove()), 0.7) << "but to come to rest";
+    EXPECT_NEAR(180 * degree, turned(), 1 * degree);
+}
+
+TEST_F(MoveFault, AStraightLineBegunWhileItTurnsIsStraight) {
+    arm();
+    for (int i = 0; i < 20; i++) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_drive(&rig.client, 0, 1, 0, family_now_us(&rig)));
+        family_pass(&rig, 100);
+    }
+    const double x_m = rig.robot.x_m, y_m = rig.robot.y_m;
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, by(5, 0));
+    const double along_m = (rig.robot.x_m - x_m) * std::cos(rig.robot.theta_rad) +
+                           (rig.robot.y_m - y_m) * std::sin(rig.robot.theta_rad);
+    EXPECT_NEAR(5, along_m, 0.02);
+    EXPECT_NEAR(5, std::hypot(rig.robot.x_m - x_m, rig.robot.y_m - y_m), 0.02);
+}
+
+TEST_F(MoveFault, ACommandThatIsNotFollowedYetIsTakenBack) {
+    arm();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_drive(&rig.client, 1, 0, 0, family_now_us(&rig)));
+    family_pass(&rig, 45);
+    double furthest_m = 0;
+    const double from_m = rig.robot.distance_m;
+    options.clearance_m = 0;
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, by(-0.5F, 0, [&] {
+                  furthest_m = std::fmax(furthest_m, rig.robot.distance_m - from_m);
+              }));
+    EXPECT_LT(furthest_m, 0.1);
+}
+
+TEST_F(MoveFault, AnEmptyPlainHasNoObstacle) {
+    std::uint64_t state = std::random_device{}();
+    std::printf("seed %llu\n", static_cast<unsigned long long>(state));
+    options.linear_m_s = 1;
+    for (int i = 0; i < 150; i++) {
+        family_member member = family_member_drawn(&state);
+        member.natural_rad_s = 1.5;
+        member.damping = 1.2;
+        ASSERT_EQ(1, family_open(&rig, &member, state));
+        rig.loss = 0;
+        EXPECT_NE(ROBUROC4_MOVE_OBSTACLE, by(i % 2 == 0 ? 30.0F : -30.0F, 0)) << i;
+    }
+}
+
 TEST_F(MoveFault, RestNeedsNoSpeeds) {
     arm();
     options.linear_m_s = 4;
@@ -190,6 +242,18 @@ TEST_F(MoveInACurve, IsReachedOnItsArcOnly) {
         const double from_middle_m = std::hypot(rig.robot.x_m - x_m - radius_m * std::cos(left),
                                                 rig.robot.y_m - y_m - radius_m * std::sin(left));
         EXPECT_NEAR(radius_m, from_middle_m, 0.03 + 0.01 * length_m) << i;
+    }
+}
+
+TEST_F(MoveInACurve, DrivesNoFartherThanItsWay) {
+    for (int i = 0; i < 300; i++) {
+        draw_robot();
+        const double length_m = between(0.5, 10), angle_rad = between(-12, 12);
+        options.linear_m_s = static_cast<float>(between(0.3, 1));
+        options.angular_rad_s = static_cast<float>(between(0.3, 1.5));
+        (void)by(static_cast<float>(length_m), static_cast<float>(angle_rad));
+        EXPECT_LT(drove(), 1.3 * length_m + 0.5) << i;
+        EXPECT_GT(drove(), -0.5) << i;
     }
 }
 
