@@ -379,8 +379,8 @@ typedef struct roburoc4_facts {
     uint8_t battery_low;       /* 1: remaining is below minimum_percent, or the state is Critical */
     uint8_t battery_known;     /* 1: `battery_low` is valid */
     uint8_t descriptions_done; /* 1: every text was answered or given up */
-    uint8_t lapsed;            /* 1: the last lease expired; 0 again after pause(), stop(), arm() or
-                                  drive() */
+    uint8_t lapsed;            /* 1: the last lease expired; 0 again after pause(), stop(), arm(),
+                                  drive(), or if something else disarms */
     uint8_t stop_outcome;      /* ROBUROC4_STOP_* of the last stop sequence */
     uint8_t missing; /* subscriptions without data: bits 1u << ROBUROC4_SERVICE_* of services that
                         the robot does not list, or whose subscription it refused */

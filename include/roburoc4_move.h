@@ -47,7 +47,8 @@
  *                 Turns in place do not use telemeters. TELEMETERS MISS THINGS: thin legs, soft or
  *                 slanted surfaces, everything outside of their cones. Backing away from an
  *                 obstacle is possible. What is not seen is not free: a move with a clearance needs
- *                 a fresh distance in its direction, and bumpers that are known.
+ *                 a distance in its direction that is not older than a second, and bumpers that are
+ *                 known.
  *   The end       Whatever the outcome, the last step calls roburoc4_client_pause(), which sends a
  *                 stop sequence. After ROBUROC4_MOVE_REACHED the robot is at rest; after the others
  *                 it may still roll: roburoc4_move_rest() waits for that.

@@ -132,12 +132,15 @@ bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *conf
     return false;
 }
 
-bool roburoc4_discovery_guessed(const discovery *d, const roburoc4_config *config) {
+bool roburoc4_discovery_guessed(const discovery *d, const roburoc4_config *config, uint16_t only) {
     for (uint32_t i = 0; i < d->service_count; i++) {
         const uint16_t id = d->ids[i];
-        if (id > ROBUROC4_SERVICE_NOTIFICATION && id < ROBUROC4_SERVICE_COUNT &&
+        const bool manuals = id < ROBUROC4_SERVICE_COUNT;
+        const bool fits = manuals && (d->fitting & service_bit(id)) != 0;
+        if ((only == 0 || id == only) && id > ROBUROC4_SERVICE_NOTIFICATION &&
             kind_set(config, id) == CLAIM_NONE && kind_of_type(d->types[i]) == CLAIM_NONE &&
-            d->claims[i] >= ROBUROC4_SERVICE_COUNT && (d->fitting & service_bit(id)) == 0) {
+            !fits && d->claims[i] >= ROBUROC4_SERVICE_COUNT &&
+            (manuals || d->claims[i] == CLAIM_REFUSED)) {
             return true;
         }
     }
@@ -407,7 +410,7 @@ void roburoc4_discovery_text_refused(discovery *d, const int32_t *io_counts, uin
                                      uint32_t index) {
     d->described[list] |= (uint64_t)1 << index;
     if (list == LIST_DIRECTORY) {
-        d->claims[index] = CLAIM_OTHER;
+        d->claims[index] = CLAIM_REFUSED;
     } else if (list == ROBUROC4_IO_DIGITAL_INPUT) {
         for (uint32_t role = 0; role <= ROBUROC4_ROLE_REAR_BUMPER; role++) {
             const int32_t place = role == ROBUROC4_ROLE_OVERRIDE

@@ -299,8 +299,12 @@ bool roburoc4_follow_status(follow *f, const float *targets,
 typedef roburoc4_private_discovery discovery;
 
 #define CLAIM_NONE 0xFF  /* the text was not read, or is not trusted */
-#define CLAIM_OTHER 0xFE /* the text names no service that the client uses, or was refused */
+#define CLAIM_OTHER 0xFE /* the text names no service that the client uses */
 #define CLAIM_DOUBT 0xFD /* the text came in fixed-id mode and may belong to another request */
+#define CLAIM_REFUSED 0xFC
+
+/* Bits of battery_low that mean low. */
+#define BATTERY_LOW 3U
 #define ROLE_TEXT_NONE (-1)
 #define ROLE_TEXT_AMBIGUOUS (-2)
 
@@ -320,8 +324,9 @@ bool roburoc4_discovery_may_drive(const discovery *d, const roburoc4_config *con
 /** Whether the directory has a service that neither settings, type nor text identify for certain.
  */
 bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *config);
-/** Whether the manual's id alone says what a service is, and its properties have not shown it. */
-bool roburoc4_discovery_guessed(const discovery *d, const roburoc4_config *config);
+/** Whether nothing says what a service is, or the manual's id alone, which its properties do not
+ * fit: the service with the id `only`, or any for 0. */
+bool roburoc4_discovery_guessed(const discovery *d, const roburoc4_config *config, uint16_t only);
 /** Assign ids to services; true if a known service has another id now. */
 bool roburoc4_discovery_identify(discovery *d, const roburoc4_config *config);
 /** A text arrived for an element of the directory, or (io_type 0 to 3) for a channel. True if an

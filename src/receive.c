@@ -10,7 +10,7 @@
 #define LATE_ANSWER_US SECOND
 
 /* Bits of battery_low. */
-enum { BATTERY_CRITICAL = 1, BATTERY_BELOW_MINIMUM = 2 };
+enum { BATTERY_CRITICAL = 1, BATTERY_BELOW_MINIMUM = 2, BATTERY_JUDGED = BATTERY_LOW + 1 };
 /* The head of a status: 0xFF, service, time. */
 #define STATUS_HEAD 11
 
@@ -242,8 +242,11 @@ static void take_battery_status(client *c, const roburoc4_battery_status *status
     values *v = &c->private_values;
     const bool known = (c->private_discovery.known & service_bit(ROBUROC4_SERVICE_BATTERY)) != 0;
     uint8_t low = status->state == ROBUROC4_BATTERY_CRITICAL ? BATTERY_CRITICAL : 0;
-    if (known && status->remaining_percent < v->battery_properties.minimum_percent) {
-        low |= BATTERY_BELOW_MINIMUM;
+    if (known) {
+        low |= BATTERY_JUDGED;
+        low |= status->remaining_percent < v->battery_properties.minimum_percent
+                   ? BATTERY_BELOW_MINIMUM
+                   : 0;
     }
     if ((low & ~v->battery_low & BATTERY_CRITICAL) != 0) {
         raise_event(c, ROBUROC4_EVENT_BATTERY_CRITICAL);

@@ -174,6 +174,10 @@ roburoc4_result roburoc4_client_distances(const client *c, roburoc4_distances *o
     out->robot_cycles = s->robot_cycles;
     memcpy(out->distances_m, c->private_values.distances, sizeof out->distances_m);
     out->count = c->private_values.distance_count;
+    if ((c->private_discovery.known & service_bit(ROBUROC4_SERVICE_TELEMETER)) != 0 &&
+        out->count > c->private_values.telemeter_count) {
+        out->count = c->private_values.telemeter_count; /* the others are surplus bytes */
+    }
     out->reserved = 0;
     return ROBUROC4_OK;
 }
@@ -205,6 +209,12 @@ static roburoc4_result give(void *out, const void *filled, uint32_t filled_size)
     return ROBUROC4_OK;
 }
 
+/** A status has come since what is low is known, or says that it is critical. */
+static bool battery_known(const client *c) {
+    return c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_BATTERY)].fresh &&
+           c->private_values.battery_low != 0;
+}
+
 roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4_facts *out) {
     roburoc4_facts f;
     const drive *d = &c->private_drive;
@@ -222,7 +232,7 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     f.front_bumper = bumper(c, ROBUROC4_ROLE_FRONT_BUMPER, &f.front_bumper_known);
     f.rear_bumper = bumper(c, ROBUROC4_ROLE_REAR_BUMPER, &f.rear_bumper_known);
     f.descriptions_done = c->private_discovery.texts_done;
-    f.battery_low = v->battery_low != 0;
+    f.battery_low = (v->battery_low & BATTERY_LOW) != 0;
     f.disarm_cause = d->armed ? ROBUROC4_OK : d->disarm_cause;
     f.arm_refusal = roburoc4_conditions_refusal(c, now_us);
     f.relocalize_result = c->private_outputs.relocalize_result;
@@ -231,9 +241,7 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     f.sent_angular_rad_s = d->sent[1];
     f.lapsed = d->lapsed || (d->lease_active && !f.driving);
     f.stop_outcome = f.stopping ? ROBUROC4_STOP_RUNNING : d->outcome;
-    f.battery_known = c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_BATTERY)].fresh &&
-                      (f.battery_low ||
-                       (c->private_discovery.known & service_bit(ROBUROC4_SERVICE_BATTERY)) != 0);
+    f.battery_known = battery_known(c);
     f.missing = roburoc4_subscriptions_missing(&c->private_subscriptions, &c->private_config,
                                                &c->private_discovery);
     memset(f.reserved, 0, sizeof f.reserved);

@@ -899,3 +899,37 @@ TEST(Battery, CriticalAndLowFromTheFirstStatusAreEvents) {
     EXPECT_TRUE(events & ROBUROC4_EVENT_BATTERY_CRITICAL);
     EXPECT_TRUE(events & ROBUROC4_EVENT_BATTERY_LOW);
 }
+
+/* ---- what was not judged, or is not there ---- */
+
+TEST(Facts, TheBatteryIsNotKnownToBeFullBeforeItsMinimumIs) {
+    ScriptedRobot robot;
+    robot.battery_percent = 12;
+    bool answers = false;
+    robot.instead = [&](const roburoc4_request &request, std::vector<Bytes> &) {
+        return !answers && request.action == ROBUROC4_ACTION_GET &&
+               request.service == ROBUROC4_SERVICE_BATTERY;
+    };
+    Bench bench(robot);
+    bench.ready();
+    bench.run(5 * second);
+    EXPECT_EQ(0, bench.facts().battery_known);
+    answers = true;
+    for (int i = 0; i < 3000; i++) {
+        bench.run(10 * ms);
+        if (bench.facts().battery_known == 1)
+            EXPECT_EQ(1, bench.facts().battery_low) << i;
+    }
+    EXPECT_EQ(1, bench.facts().battery_known);
+}
+
+TEST(Distances, OfSurplusBytesAreNone) {
+    ScriptedRobot robot;
+    robot.distances = {1.5F, 2.5F, 0, 0};
+    Bench bench(robot);
+    bench.ready();
+    bench.run(second);
+    roburoc4_distances distances;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_distances(&bench.client, &distances, nullptr));
+    EXPECT_EQ(2U, distances.count);
+}

@@ -632,10 +632,10 @@ TEST(UnknownOverride, IsNotAllowedWhileAServiceIsNotKnown) {
     robot.service(ROBUROC4_SERVICE_IOCARD).text = "Camera"; /* it is none */
     robot.texts_silent = false;
     for (const bool refused : {false, true}) {
-        robot.texts_refused = refused; /* then it is not known to be one */
+        robot.texts_refused = refused; /* then it may be the card */
         bench.close();
         bench.ready();
-        EXPECT_EQ(ROBUROC4_OK, bench.arm()) << refused;
+        EXPECT_EQ(refused ? ROBUROC4_ERR_NOT_SUBSCRIBED : ROBUROC4_OK, bench.arm()) << refused;
         bench.stop();
         bench.run(second);
     }
