@@ -9,8 +9,10 @@ import select
 import socket
 import subprocess
 import sys
+import threading
+import time
 import unittest
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -325,6 +327,42 @@ CLIENTS: list[tuple[str, Callable[[PlayedRobot], None]]] = [
 ]
 
 
+STALL_S = 0.1
+
+
+@contextlib.contextmanager
+def watch_stalls() -> Iterator[list[float]]:
+    """How much longer each of many short naps took."""
+    stalls_s = [0.0]
+    ended = threading.Event()
+
+    def watch() -> None:
+        while not ended.is_set():
+            begun_s = time.monotonic()
+            time.sleep(0.01)
+            stalls_s.append(time.monotonic() - begun_s - 0.01)
+
+    thread = threading.Thread(target=watch)
+    thread.start()
+    try:
+        yield stalls_s
+    finally:
+        ended.set()
+        thread.join()
+
+
+def judge_simulator() -> list[Any]:
+    with subprocess.Popen(
+        [os.environ["ROBUROC4_SIM_PROGRAM"], "--port", "0"], stdout=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            assert process.stdout is not None
+            port = int(process.stdout.readline().split()[3].rstrip(",").split(":")[1])
+            return list(RobotJudge(("127.0.0.1", port)).judge(drive=True).faults)
+        finally:
+            process.terminate()
+
+
 class Conformance(unittest.TestCase):
     def expect(
         self,
@@ -363,16 +401,13 @@ class Conformance(unittest.TestCase):
         )
 
     def test_the_simulator_conforms(self) -> None:
-        with subprocess.Popen(
-            [os.environ["ROBUROC4_SIM_PROGRAM"], "--port", "0"], stdout=subprocess.PIPE, text=True
-        ) as process:
-            try:
-                assert process.stdout is not None
-                port = int(process.stdout.readline().split()[3].rstrip(",").split(":")[1])
-                faults = RobotJudge(("127.0.0.1", port)).judge(drive=True).faults
-            finally:
-                process.terminate()
-        assert not faults
+        # It is judged in real time: again, where this machine stalled meanwhile.
+        for _ in range(3):
+            with watch_stalls() as stalls_s:
+                faults = judge_simulator()
+            if not faults or max(stalls_s) < STALL_S:
+                break
+        assert not faults, (faults, max(stalls_s))
 
     def test_the_library_conforms(self) -> None:
         ended: list[int] = []
