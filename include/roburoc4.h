@@ -131,11 +131,9 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_EVENT_DIFFERENTIAL 0x00000400 /* likewise */
 #define ROBUROC4_EVENT_ARMED 0x00000800        /* became armed */
 #define ROBUROC4_EVENT_DISARMED 0x00001000     /* disarmed; see disarm_cause */
-#define ROBUROC4_EVENT_LAPSED                                                                      \
-    0x00002000                            /* a lease expired, and nothing else had disarmed it yet \
-                                           */
-#define ROBUROC4_EVENT_STOPPED 0x00004000 /* a stop sequence ended, confirmed by the robot */
-#define ROBUROC4_EVENT_OVERRIDE 0x00008000          /* game pad [A] was pressed or released */
+#define ROBUROC4_EVENT_LAPSED 0x00002000       /* a lease expired before anything else disarmed */
+#define ROBUROC4_EVENT_STOPPED 0x00004000      /* a stop sequence ended, confirmed by the robot */
+#define ROBUROC4_EVENT_OVERRIDE 0x00008000     /* game pad [A] was pressed or released */
 #define ROBUROC4_EVENT_OTHER_COMMANDER 0x00010000   /* another client commands, or no longer */
 #define ROBUROC4_EVENT_INHIBITED 0x00020000         /* commanded but not moving, or no longer */
 #define ROBUROC4_EVENT_BATTERY_LOW 0x00040000       /* remaining fell below minimum_percent */
@@ -153,11 +151,10 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
     0x20000000 /* a stop sequence ended unconfirmed: see stop_outcome, until the next begins */
 
 /** How the last stop sequence ended: stop_outcome of roburoc4_facts. */
-#define ROBUROC4_STOP_NONE 0      /* none was sent yet */
-#define ROBUROC4_STOP_RUNNING 1   /* it has not ended */
-#define ROBUROC4_STOP_CONFIRMED 2 /* a status from well after the zeros shows both targets 0 */
-#define ROBUROC4_STOP_TIMED_OUT                                                                    \
-    3 /* robot_watchdog_ms passed without that, or there is no service for zeros */
+#define ROBUROC4_STOP_NONE 0       /* none was sent yet */
+#define ROBUROC4_STOP_RUNNING 1    /* it has not ended */
+#define ROBUROC4_STOP_CONFIRMED 2  /* a status from well after the zeros shows both targets 0 */
+#define ROBUROC4_STOP_TIMED_OUT 3  /* robot_watchdog_ms passed, or nothing takes zeros */
 #define ROBUROC4_STOP_OVERRIDDEN 4 /* [A] was held, so the robot may have ignored the zeros */
 
 /** What an IO input is for, independent of its index. */
@@ -319,9 +316,8 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
  * of these reasons except _MOVING applies, when the robot does not follow its speeds (_INHIBITED),
  * when commands reach it late (_UPLINK), and lapse_disarm_ms after a lease expired (_LAPSED).
  * Arming an armed client is fine. A ready client may not be armable yet, as the first statuses come
- * later: ROBUROC4_EVENT_ARMABLE is raised when arming becomes possible (again,
- * if it was not for more than a few statuses); roburoc4_pump_arm()
- * waits for it. */
+ * later: ROBUROC4_EVENT_ARMABLE is raised when arming becomes possible (again, if it was not for
+ * more than a few statuses); roburoc4_pump_arm() waits for it. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client,
                                                                      uint64_t now_us);
 /** 1 if a reason against arming may go away by itself (no answer or status yet, the robot still

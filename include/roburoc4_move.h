@@ -188,11 +188,10 @@ ROBUROC4_API roburoc4_result roburoc4_move_rest(roburoc4_move *move,
 
 /** Read the client's latest values and propose the next speeds. Call it after each receive(), and
  *  before the drive() that it proposes. The first steps propose 0 until the statuses that the move
- *  needs have arrived, at most 1 s. The last one calls
- *  roburoc4_client_pause(). A lease that ends without the move ends the move: as
- *  ROBUROC4_MOVE_CANCELLED after roburoc4_client_stop() or _pause() elsewhere in the program, as
- *  ROBUROC4_MOVE_LAPSED if it expired: then the client disarms, as after any lapse. Returns
- *  move->outcome; an ended move does nothing. */
+ *  needs have arrived, at most 1 s. The last one calls roburoc4_client_pause(). A lease that ends
+ *  without the move ends the move: as ROBUROC4_MOVE_CANCELLED after roburoc4_client_stop() or
+ *  _pause() elsewhere in the program, as ROBUROC4_MOVE_LAPSED if it expired: then the client
+ *  disarms, as after any lapse. Returns move->outcome; an ended move does nothing. */
 ROBUROC4_API int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client,
                                         uint64_t now_us);
 /** The input of a move. roburoc4_move_step() takes it from a client. If another process has the

@@ -294,6 +294,14 @@ void roburoc4_follow_sent(follow *f, const float *targets);
 bool roburoc4_follow_status(follow *f, const float *targets,
                             const roburoc4_differential_status *status);
 
+/** Bits of battery_low: judged is one whose minimum is known. */
+enum {
+    BATTERY_CRITICAL = 1,
+    BATTERY_BELOW_MINIMUM = 2,
+    BATTERY_LOW = BATTERY_CRITICAL | BATTERY_BELOW_MINIMUM,
+    BATTERY_JUDGED = 4
+};
+
 /* ---- discovery ---- */
 
 typedef roburoc4_private_discovery discovery;
@@ -302,9 +310,6 @@ typedef roburoc4_private_discovery discovery;
 #define CLAIM_OTHER 0xFE /* the text names no service that the client uses */
 #define CLAIM_DOUBT 0xFD /* the text came in fixed-id mode and may belong to another request */
 #define CLAIM_REFUSED 0xFC
-
-/* Bits of battery_low that mean low. */
-#define BATTERY_LOW 3U
 #define ROLE_TEXT_NONE (-1)
 #define ROLE_TEXT_AMBIGUOUS (-2)
 

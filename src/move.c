@@ -260,11 +260,14 @@ static bool next_leg(roburoc4_move *m) {
     return true;
 }
 
-/** The curvature of the present leg; a move for a time has no path to keep to. */
+/** The present leg is a line or an arc; a move for a time has no path to keep to. */
+static bool on_path(const roburoc4_move *m) {
+    return m->private_kind != FOR && roburoc4_move_axis(m) == LENGTH;
+}
+
+/** The curvature of the present leg. */
 static float curvature(const roburoc4_move *m) {
-    return m->private_kind == FOR || roburoc4_move_axis(m) == ANGLE
-               ? 0
-               : m->private_goal[ANGLE] / m->private_goal[LENGTH];
+    return on_path(m) ? m->private_goal[ANGLE] / m->private_goal[LENGTH] : 0;
 }
 
 /** By how much the robot is turned to the left of its line or arc. */
@@ -272,11 +275,10 @@ static float astray(const roburoc4_move *m) {
     return m->private_covered[ANGLE] - curvature(m) * m->private_covered[LENGTH];
 }
 
-float roburoc4_move_stretch(const roburoc4_move *m) {
-    return m->private_kind == FOR || roburoc4_move_axis(m) == ANGLE
-               ? 1
-               : sine_of(astray(m) + PI_F / 2) /
-                     (1 - within(curvature(m) * m->private_aside_m, 0.5F));
+float roburoc4_move_stretch(const roburoc4_move *m, uint32_t axis) {
+    return axis == LENGTH && on_path(m) ? sine_of(astray(m) + PI_F / 2) /
+                                              (1 - within(curvature(m) * m->private_aside_m, 0.5F))
+                                        : 1;
 }
 
 /** Not more than the robot's own limit, where that is known. */
@@ -305,6 +307,7 @@ static float set_profile(roburoc4_move *m, const roburoc4_move_view *v) {
         slope[LENGTH] = lesser(slope[LENGTH], slope[ANGLE] / bend);
     }
     for (uint32_t i = 0; i < BOTH; i++) {
+        /* an arc turns on its way */
         if (!is_zero(path[i]) && (i == LENGTH || to_place(m) || is_zero(path[LENGTH]))) {
             seconds += roburoc4_move_axis_seconds(m, i, path[i]);
         }
@@ -348,7 +351,7 @@ static float seconds_in(uint32_t cycles) {
 
 /** Count a distance and an angle; `across_m` is to the left. */
 static void cover(roburoc4_move *m, float distance_m, float across_m, float angle_rad) {
-    const float along_m = distance_m * roburoc4_move_stretch(m);
+    const float along_m = distance_m * roburoc4_move_stretch(m, LENGTH);
     const float half_turned = 0.5F * (angle_rad - curvature(m) * along_m);
     m->private_aside_m += distance_m * sine_of(astray(m) + half_turned) + across_m;
     m->private_covered[LENGTH] += along_m;
@@ -390,22 +393,26 @@ bool roburoc4_move_rolls(const roburoc4_move *m) {
            beyond(m->private_speed[ANGLE], rest_speed[ANGLE]);
 }
 
+/** As far as such a counter goes. */
+static uint8_t count_on(uint8_t cycles, uint32_t passed) {
+    return passed < (uint32_t)UINT8_MAX - cycles ? (uint8_t)(cycles + passed) : UINT8_MAX;
+}
+
 /** How long the robot has stood; a single speed may be noise. */
 static void note_standing(roburoc4_move *m, uint32_t passed) {
-    const uint32_t stood = m->private_stood_cycles;
-    const uint32_t longer = stood + passed < UINT8_MAX ? stood + passed : UINT8_MAX;
-    const uint32_t shorter = stood > 2 * passed ? stood - 2 * passed : 0;
-    m->private_stood_cycles = (uint8_t)(roburoc4_move_rolls(m) ? shorter : longer);
+    const uint8_t stood = m->private_stood_cycles;
+    m->private_stood_cycles = !roburoc4_move_rolls(m) ? count_on(stood, passed)
+                              : stood > 2 * passed    ? (uint8_t)(stood - 2 * passed)
+                                                      : 0;
 }
 
 /** A differential status: add the distance since the last one. */
 static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
     const float speeds[BOTH] = {v->linear_m_s, v->angular_rad_s};
     const uint32_t passed = cycles_from(m->private_speed_cycles, v->speed_cycles);
-    const uint32_t quiet_cycles = m->private_quiet_cycles + passed;
     const float passed_s = seconds_in(passed);
     float covered[BOTH];
-    m->private_quiet_cycles = quiet_cycles < UINT8_MAX ? (uint8_t)quiet_cycles : UINT8_MAX;
+    m->private_quiet_cycles = count_on(m->private_quiet_cycles, passed);
     if (m->private_still < UINT8_MAX) {
         m->private_still++;
     }
@@ -413,8 +420,7 @@ static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         const float speed = is_finite(speeds[axis]) ? speeds[axis] : 0;
         covered[axis] = 0.5F * (speed + m->private_speed[axis]) * passed_s;
-        m->private_by_speeds[axis] +=
-            covered[axis] * (axis == LENGTH ? roburoc4_move_stretch(m) : 1);
+        m->private_by_speeds[axis] += covered[axis] * roburoc4_move_stretch(m, axis);
         m->private_speed[axis] = speed;
     }
     m->private_unmeasured = !measured;
@@ -437,8 +443,7 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
     const bool pose =
         m->private_posed && v->pose_cycles != 0 && v->pose_cycles != m->private_pose_cycles;
     for (uint32_t i = 0; i < BOTH; i++) {
-        m->private_commanded[i] +=
-            passed_s * sent[i] * (i == LENGTH ? roburoc4_move_stretch(m) : 1);
+        m->private_commanded[i] += passed_s * sent[i] * roburoc4_move_stretch(m, i);
         m->private_lagging[i] +=
             passed_s / LAGGING_S * (m->private_commanded[i] - m->private_lagging[i]);
     }
@@ -533,7 +538,7 @@ static bool witnesses_disagree(const roburoc4_move *m) {
 
 /** So far from its line or arc that it would hardly find back: it does not turn as it drives. */
 static bool strays(const roburoc4_move *m) {
-    return !m->private_rolls && m->private_kind != FOR && roburoc4_move_axis(m) == LENGTH &&
+    return !m->private_rolls && on_path(m) &&
            (beyond(m->private_aside_m, STRAY_M) || beyond(astray(m), STRAY_RAD));
 }
 
@@ -589,7 +594,7 @@ static int32_t reason_to_end(roburoc4_move *m, const roburoc4_move_view *v, uint
 
 /** Whether the robot stands beside the goal of its line or arc, and no leg corrects that. */
 static bool off_course(const roburoc4_move *m) {
-    return m->private_kind != FOR && m->private_kind != REST && roburoc4_move_axis(m) == LENGTH &&
+    return on_path(m) &&
            beyond(m->private_aside_m, 0.02F + 0.01F * magnitude(m->private_goal[LENGTH]));
 }
 
@@ -665,11 +670,12 @@ static bool arrived(const roburoc4_move *m) {
 
 /* ------------------------------------------------------------------------------------ one step */
 
-/** The smaller of two speeds; 0 if they differ in sign, or one is no number. */
-static float smaller(float a, float b) {
-    return !is_finite(a) || !is_finite(b) || order_of(a) * (int64_t)order_of(b) <= 0 ? 0
-           : beyond(a, magnitude(b))                                                 ? b
-                                                                                     : a;
+/** How much of a command the robot follows already; nothing if one of them is no number. */
+static float followed(float sent, float speed) {
+    const bool along = (order_of(sent) < 0) == (order_of(speed) < 0);
+    return is_finite(sent) && is_finite(speed) && along
+               ? with_sign(lesser(magnitude(sent), magnitude(speed)), sent)
+               : 0;
 }
 
 /** Plan the move as soon as everything that it needs is known, or after a second end it with what
@@ -690,8 +696,8 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
                                                           : ROBUROC4_MOVE_LOST;
     }
     if (!rest) { /* a command that the robot has not followed yet is taken back at once */
-        m->linear_m_s = smaller(v->sent_linear_m_s, v->linear_m_s);
-        m->angular_rad_s = smaller(v->sent_angular_rad_s, v->angular_rad_s);
+        m->linear_m_s = followed(v->sent_linear_m_s, v->linear_m_s);
+        m->angular_rad_s = followed(v->sent_angular_rad_s, v->angular_rad_s);
     }
     m->private_rolls = !halted(m) || beyond(v->linear_m_s, rolling_speed[LENGTH]) ||
                        beyond(v->angular_rad_s, rolling_speed[ANGLE]);

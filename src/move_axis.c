@@ -191,7 +191,7 @@ void roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, boo
     roburoc4_private_fit *f = &m->private_fit;
     m->private_patience_s -= passed_s;
     f->since_s = covered ? 0 : lesser(f->since_s + passed_s, POSE_AGE_S);
-    const float speed = m->private_speed[axis] * (axis == LENGTH ? roburoc4_move_stretch(m) : 1);
+    const float speed = m->private_speed[axis] * roburoc4_move_stretch(m, axis);
     const float signals[SIGNALS] = {m->private_commanded[axis],
                                     m->private_covered[axis] + f->since_s * speed, speed};
     if (speeds) {

@@ -57,8 +57,9 @@ float roburoc4_move_half_turn(float angle_rad);
 /** One step with what the view says; ends the move where it has to. */
 int32_t roburoc4_move_advance(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us);
 int32_t roburoc4_move_end(roburoc4_move *m, int32_t outcome);
-/** Beside an arc, its way along is longer or shorter than that of the robot: so many times. */
-float roburoc4_move_stretch(const roburoc4_move *m);
+/** A robot beside its arc, or turned from it, comes along so many times as far as it drives; 1 for
+ * angles. */
+float roburoc4_move_stretch(const roburoc4_move *m, uint32_t axis);
 /** The last status shows a robot that moves. */
 bool roburoc4_move_rolls(const roburoc4_move *m);
 

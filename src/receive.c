@@ -9,8 +9,6 @@
 /* An answer that takes longer counts as lost. */
 #define LATE_ANSWER_US SECOND
 
-/* Bits of battery_low. */
-enum { BATTERY_CRITICAL = 1, BATTERY_BELOW_MINIMUM = 2, BATTERY_JUDGED = BATTERY_LOW + 1 };
 /* The head of a status: 0xFF, service, time. */
 #define STATUS_HEAD 11
 

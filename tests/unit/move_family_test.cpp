@@ -29,6 +29,17 @@ class MoveFault : public testing::Test {
         ASSERT_EQ(1, family_arm(&rig));
         family_pass(&rig, 1000);
     }
+    void drive_for_two_seconds(float linear_m_s, float angular_rad_s) {
+        for (int i = 0; i < 20; i++) {
+            ASSERT_EQ(ROBUROC4_OK, roburoc4_client_drive(&rig.client, linear_m_s, angular_rad_s, 0,
+                                                         family_now_us(&rig)));
+            family_pass(&rig, 100);
+        }
+    }
+    void hold_wheels() {
+        for (int axis = 0; axis < 2; axis++)
+            rig.robot.speed[axis] = rig.robot.slope[axis] = 0;
+    }
     std::int32_t go(const std::function<void()> &when = nullptr) {
         begin_m = rig.robot.distance_m;
         begin_rad = rig.robot.theta_rad;
@@ -103,10 +114,7 @@ TEST(MoveRest, IsReachedByARobotThatWillNotMoveAnyMore) {
 
 TEST_F(MoveFault, ForATimeMayBeginWhileTheRobotRolls) {
     arm();
-    for (int i = 0; i < 20; i++) {
-        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_drive(&rig.client, 0.8F, 0, 0, family_now_us(&rig)));
-        family_pass(&rig, 100);
-    }
+    drive_for_two_seconds(0.8F, 0);
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_pause(&rig.client, family_now_us(&rig)));
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_for(&move, 0.3F, 0, 1000, &options));
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, go());
@@ -114,10 +122,7 @@ TEST_F(MoveFault, ForATimeMayBeginWhileTheRobotRolls) {
 
 TEST_F(MoveFault, ATurnBegunWhileItRollsIsInPlace) {
     arm();
-    for (int i = 0; i < 20; i++) {
-        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_drive(&rig.client, 0.5F, 0, 0, family_now_us(&rig)));
-        family_pass(&rig, 100);
-    }
+    drive_for_two_seconds(0.5F, 0);
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, by(0, static_cast<float>(180 * degree)));
     EXPECT_LT(std::fabs(drove()), 0.7) << "but to come to rest";
     EXPECT_NEAR(180 * degree, turned(), 1 * degree);
@@ -125,10 +130,7 @@ TEST_F(MoveFault, ATurnBegunWhileItRollsIsInPlace) {
 
 TEST_F(MoveFault, AStraightLineBegunWhileItTurnsIsStraight) {
     arm();
-    for (int i = 0; i < 20; i++) {
-        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_drive(&rig.client, 0, 1, 0, family_now_us(&rig)));
-        family_pass(&rig, 100);
-    }
+    drive_for_two_seconds(0, 1);
     const double x_m = rig.robot.x_m, y_m = rig.robot.y_m;
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, by(5, 0));
     const double along_m = (rig.robot.x_m - x_m) * std::cos(rig.robot.theta_rad) +
@@ -217,9 +219,8 @@ TEST_F(MoveInACurve, NeverStandsForLongAndThenGoesOn) {
         double moved_s = begun_s;
         (void)by(length_m, angle_rad, [&] {
             const double now_s = 1e-3 * rig.now_ms;
-            for (int axis = 0; axis < 2 && now_s > begun_s + from_s; axis++)
-                if (now_s < begun_s + from_s + span_s)
-                    rig.robot.speed[axis] = rig.robot.slope[axis] = 0;
+            if (now_s > begun_s + from_s && now_s < begun_s + from_s + span_s)
+                hold_wheels();
             if (move.linear_m_s != 0 || move.angular_rad_s != 0) {
                 EXPECT_LT(now_s, moved_s + 5) << i;
                 moved_s = now_s;
@@ -291,8 +292,7 @@ TEST_F(MoveFault, GoesNoFurtherThanItsGoalAfterAnInterruption) {
         const auto interrupt = [&] {
             const double passed_s = 1e-3 * rig.now_ms - begun_s - from_s;
             if (passed_s > 0 && passed_s < span_s)
-                for (int axis = 0; axis < 2; axis++)
-                    rig.robot.speed[axis] = rig.robot.slope[axis] = 0;
+                hold_wheels();
         };
         (void)(turn ? by(0, static_cast<float>(way), interrupt)
                     : by(static_cast<float>(way), 0, interrupt));
