@@ -549,7 +549,6 @@ TEST(MoveFamily, ADrawnSampleOfRobotsMovesAsItShould) {
         family_member member = i % 3 == 0 ? family_member_drawn(&seed) : family_member_at(index);
         member.loss = i % 2 != 0 ? 0.2 : 0;
         const family_verdict verdict = family_judge(&member, seed, 0);
-        EXPECT_LE(verdict.reversals, 2U);
         if (verdict.fault != nullptr)
             family_print(&member, &verdict);
         else
