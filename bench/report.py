@@ -36,9 +36,21 @@ REASONS = {
     "receive an IO card's status": "it decides about driving, and 20 a second are nothing",
     "receive a battery status": "each status proves ages and shows restarts",
     "firmware that drives, linked": "it copes with robots that nobody has seen",
+    "the same, without texts and statistics": "as above",
     "a metre, in a firmware that drives": "it learns the robot's response, in emulated floats",
     "a client's memory": "ages, restarts and stops of every robot",
     "processor, one robot as by default": "under 1 % is not worth more code",
+    "processor, 1,000 robots as by default": "nobody has a thousand",
+    "processor, watching": "a few percent are not worth more code",
+    "cmd_vel to robot, p50": "a command holds for 250 ms",
+    **dict.fromkeys(
+        (
+            "family of 7488: moves that are fine",
+            "family of 7488, 20 % lost: moves that are fine",
+            "robots drawn between the members of the family: moves that are fine",
+        ),
+        "noise hides how a slow robot swings",
+    ),
 }
 
 
