@@ -250,6 +250,8 @@ TEST_F(GateClient, SpeedsInOtherUnitsAreRefusedAndNeverChangeTheirSign) {
     EXPECT_EQ(GATE_TAKEN, gate_drive(&gate, &client, 0.3F, -10, 0, now_us()));
     EXPECT_EQ(GATE_TAKEN, gate_drive(&gate, &client, 0.3F, 10, 0, now_us()));
     EXPECT_FALSE(is_waiting()) << "a mistake is no reason to wait for a pause";
+    EXPECT_EQ(GATE_TAKEN, send(5.0F));
+    pass(50);
     EXPECT_EQ(GATE_TAKEN, send(-5.0F));
     pass(50);
     EXPECT_NEAR(-1.0, speed(), 1e-6) << "clamped to the ceiling";

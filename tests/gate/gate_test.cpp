@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <iterator>
+#include <map>
 #include <numeric>
 #include <random>
 #include <set>
@@ -810,6 +811,22 @@ TEST(GateReason, EachVerdictHasItsOwn) {
     for (int verdict = GATE_MALFORMED; verdict < GATE_VERDICTS; verdict++)
         reasons.insert(reason(verdict));
     EXPECT_EQ(static_cast<std::size_t>(GATE_VERDICTS - 1), reasons.size());
+    const std::map<gate_verdict, const char *> remedies{
+        {GATE_MALFORMED, "use the types of this bridge's version"},
+        {GATE_SENDER, "give each program its own name, and use at most 32"},
+        {GATE_NOT_FINITE, "NaN or infinity"},
+        {GATE_CONTROL, "a stop command needs no control"},
+        {GATE_NOT_READY, "not connected"},
+        {GATE_DISARMED, "pause (or send zero) for 500 ms"},
+        {GATE_UNITS, "give m/s and rad/s, at most 5 and 10"},
+        {GATE_IMPOSSIBLE, "digital output 0 is its own"},
+        {GATE_NO_UTIME, "its stamp is 0 or less; set it to the time at which it is sent"},
+        {GATE_REPEATED, "a replayed log, or two programs with the same name"},
+        {GATE_STARTING, "then pause 500 ms"},
+        {GATE_TOO_OLD, "set both by NTP"},
+        {GATE_IN_FUTURE, "set both by NTP"}};
+    for (const auto &[verdict, remedy] : remedies)
+        EXPECT_NE(std::string::npos, reason(verdict).find(remedy)) << reason(verdict);
     EXPECT_EQ(
         "by its stamp it is 1.000 s old (--max-age-ms 200): a replayed log, a slow network, or "
         "clocks that differ: set both by NTP (--max-age-ms 0 accepts all ages, including "
