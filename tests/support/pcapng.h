@@ -105,6 +105,7 @@ class CaptureReader {
                 }
                 break;
             case 4:
+                check(datagram == nullptr || wide(at + 4) > 0);
                 (datagram != nullptr ? datagram->drop_count : capture_.received) = wide(at + 4);
                 break;
             case 5:
@@ -115,7 +116,7 @@ class CaptureReader {
             }
             at += 4 + (half(at + 2) + 3u) / 4 * 4;
         }
-        check(at + 4 == end);
+        check(at + 4 == end && word(at) == 0);
     }
     void packet(size_t at, size_t length) {
         RecordedDatagram datagram{};

@@ -678,6 +678,27 @@ TEST_F(Record, ExitCompletesTheFileOfAllPumpsThatShareIt) {
     }
 }
 
+TEST_F(Record, ExitCompletesTheFileOfEachPump) {
+    Robot first, second(60001);
+    std::vector<std::pair<roburoc4_recorder *, roburoc4_pump *>> opened;
+    for (const Robot *robot : {&first, &second}) {
+        const roburoc4_address address = robot->address();
+        const std::string path = std::to_string(robot->port());
+        roburoc4_recorder *recorder = roburoc4_recorder_open(path.c_str(), &options_, nullptr);
+        opened.emplace_back(recorder,
+                            roburoc4_pump_create(&address, nullptr, 0, recorder, nullptr));
+    }
+    sleep_ms(100);
+    run_exit_handlers();
+    for (const Robot *robot : {&first, &second}) {
+        EXPECT_TRUE(capture(std::to_string(robot->port())).has_statistics) << robot->port();
+    }
+    for (const auto &[recorder, pump] : opened) {
+        roburoc4_pump_destroy(pump);
+        EXPECT_EQ(roburoc4_recorder_close(recorder, nullptr), ROBUROC4_OK);
+    }
+}
+
 TEST_F(Record, AForkedChildRecordsNothing) {
     open();
     take();
