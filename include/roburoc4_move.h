@@ -149,7 +149,11 @@ typedef struct roburoc4_move {
     uint8_t private_still, private_bumpers, private_posed, private_begun;
     uint8_t private_driven, private_turned, private_rested, private_quiet_cycles, private_jolted,
         private_unmeasured, private_stood_cycles;
-    int8_t private_side;
+    int8_t private_side, private_rolled;
+    uint8_t private_same_cycles, private_stuck, private_stopping;
+    float private_measured; /* the last status's speed on the leg's axis */
+    float private_peak,
+        private_told;            /* the highest speed, measured and proposed, until it brakes */
     float private_patience_s;    /* left to wait until the robot does not swing any more */
     uint32_t private_granted_us; /* when the client's last lease began, before this move's first */
     uint32_t private_spare[4];

@@ -13,15 +13,19 @@
 /* A longer step means that the program was held up, so that nobody knows what was commanded. */
 #define STEP_MAX_US 250000U
 #define STILL_STATUSES 2
+/* What private_rolls says: it moved at the beginning, or something stopped its wheels. */
+enum { ROLLED = 1, INTERRUPTED };
 /* A robot that is slow to begin shows this much later what it was told last. */
 #define SHOWN_CYCLES 40
+/* A robot that stands for so long, and was told nothing, is at rest, whatever was learned. */
+#define STOOD_CYCLES 150
 /* Nothing shorter has ever been a view. */
 #define VIEW_SIZE_1_0 120
 #define TWO_TURNS 12.57F
 #define NO_TIMEOUT UINT32_MAX
 
 /* Callers declare moves: their size is part of the ABI. */
-typedef char assert_move_never_grows[sizeof(roburoc4_move) == 464 ? 1 : -1];
+typedef char assert_move_never_grows[sizeof(roburoc4_move) == 480 ? 1 : -1];
 
 enum { AHEAD = 1, ASTERN = 2 };
 
@@ -241,6 +245,7 @@ static bool next_leg(roburoc4_move *m) {
             start_leg(m, leg == 0 ? 0 : distance_m, leg == 0 ? bearing_rad : 0);
             if (leg == 1) {
                 m->private_covered[ANGLE] = m->private_by_speeds[ANGLE] = -bearing_rad;
+                m->private_commanded[ANGLE] = m->private_lagging[ANGLE] = -bearing_rad;
             }
             return true;
         }
@@ -413,6 +418,7 @@ static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
     const float passed_s = seconds_in(passed);
     float covered[BOTH];
     m->private_quiet_cycles = count_on(m->private_quiet_cycles, passed);
+    m->private_same_cycles = count_on(m->private_same_cycles, passed);
     if (m->private_still < UINT8_MAX) {
         m->private_still++;
     }
@@ -462,7 +468,10 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
     }
     /* some robots compute their pose seldom, and repeat it in between */
     const bool moved = memcmp(before, m->private_pose, sizeof before) != 0;
-    roburoc4_move_axis_learn(m, passed_s, speeds, moved || (speeds && !m->private_posed));
+    if (roburoc4_move_axis_learn(m, passed_s, speeds, moved || (speeds && !m->private_posed)) &&
+        m->private_kind < FOR && !m->private_rolls) {
+        m->private_rolls = INTERRUPTED;
+    }
     return true;
 }
 
@@ -503,7 +512,7 @@ static int32_t blocked(roburoc4_move *m, const roburoc4_move_view *v) {
             return ROBUROC4_MOVE_NO_FRONT_BUMPER + i;
         }
         if ((sides >> i & 1) != 0) {
-            if (known[i] == 0) {
+            if (known[i] == 0 || v->distance_age_us > SILENCE_US) {
                 return ROBUROC4_MOVE_NO_FRONT_TELEMETER + i;
             }
             if (m->private_ready && order_of(nearer(FAR_M, distances_m[i])) < order_of(needed_m)) {
@@ -527,9 +536,22 @@ static bool disagree(uint32_t axis, float distance, float a, float b) {
 static bool witnesses_disagree(const roburoc4_move *m) {
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         const float speeds = m->private_by_speeds[axis];
+        const float commanded = m->private_commanded[axis], lagging = m->private_lagging[axis];
         if (disagree(axis, m->private_covered[axis], speeds, speeds) ||
-            (!m->private_rolls &&
-             disagree(axis, speeds, m->private_commanded[axis], m->private_lagging[axis]))) {
+            (!m->private_rolls && (disagree(axis, speeds, commanded, lagging) ||
+                                   disagree(axis, m->private_covered[axis], commanded, lagging)))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/** The same of a robot at rest, which follows nothing late any more. */
+static bool stands_elsewhere(const roburoc4_move *m) {
+    for (uint32_t axis = 0; axis < BOTH; axis++) {
+        const float commanded = m->private_commanded[axis];
+        if (disagree(axis, m->private_by_speeds[axis], commanded, commanded) ||
+            disagree(axis, m->private_covered[axis], commanded, commanded)) {
             return true;
         }
     }
@@ -559,6 +581,25 @@ static int32_t outcome_of(roburoc4_result cause) {
     return ROBUROC4_MOVE_LOST;
 }
 
+/** At rest, however late it follows. */
+static bool rests(const roburoc4_move *m) {
+    return m->private_still >= STILL_STATUSES && m->private_quiet_cycles >= SHOWN_CYCLES;
+}
+
+/** A robot that stands although it was told to go is learned anew; if that does not help either,
+ * nothing will. */
+static bool stuck(roburoc4_move *m) {
+    if (roburoc4_move_rolls(m)) {
+        m->private_stuck = 0;
+    }
+    if (m->private_quiet_cycles < STOOD_CYCLES || m->private_stood_cycles < STOOD_CYCLES) {
+        return false;
+    }
+    m->private_stood_cycles = 0;
+    roburoc4_move_axis_again(m);
+    return ++m->private_stuck > 1;
+}
+
 /** Reasons to end the move, whether it has arrived or not. */
 static int32_t reason_to_end(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     int32_t outcome = ROBUROC4_MOVE_RUNNING;
@@ -573,7 +614,9 @@ static int32_t reason_to_end(roburoc4_move *m, const roburoc4_move_view *v, uint
         outcome = outcome_of(m->cause);
     } else if (m->private_ready) {
         outcome = blocked(m, v);
-        if (outcome == ROBUROC4_MOVE_RUNNING && strays(m)) {
+        if (outcome == ROBUROC4_MOVE_RUNNING && m->private_kind < FOR && stuck(m)) {
+            outcome = ROBUROC4_MOVE_INHIBITED;
+        } else if (outcome == ROBUROC4_MOVE_RUNNING && strays(m)) {
             outcome = ROBUROC4_MOVE_OFF_COURSE;
         } else if (outcome == ROBUROC4_MOVE_RUNNING && witnesses_disagree(m)) {
             const bool silent = m->private_posed && now_us - m->private_pose_us > SILENCE_US / 3;
@@ -625,15 +668,24 @@ static float share_for(roburoc4_move *m, float passed_s, uint64_t now_us) {
     return lesser(lesser(1, slope * left_s), m->private_share + slope * passed_s);
 }
 
-/** Ramp down a robot that moved when the move began; its first leg begins at rest. */
-static bool rolls(roburoc4_move *m) {
-    if (m->private_rolls && halted(m) && m->private_still >= STILL_STATUSES) {
-        m->private_rolls = 0;
-        forget_way(m);
-        if (m->private_kind != FOR) {
-            m->private_leg = 0;
-            (void)next_leg(m);
+/** Ramp down a robot that moved when the move began, so that its first leg begins at rest; or whose
+ * wheels something stopped or let go, so that what it does then says nothing about it. */
+static bool rolls(roburoc4_move *m, uint64_t now_us) {
+    if (m->private_rolls && halted(m) && rests(m)) {
+        if (m->private_rolls == INTERRUPTED) {
+            for (uint32_t axis = 0; axis < BOTH; axis++) { /* nobody followed the rest */
+                m->private_commanded[axis] = m->private_lagging[axis] = m->private_by_speeds[axis];
+            }
+            roburoc4_move_axis_again(m);
+        } else {
+            m->private_begun_us = now_us;
+            forget_way(m);
+            if (m->private_kind != FOR) {
+                m->private_leg = 0;
+                (void)next_leg(m);
+            }
         }
+        m->private_rolls = 0;
     }
     return m->private_rolls;
 }
@@ -641,7 +693,7 @@ static bool rolls(roburoc4_move *m) {
 static void propose(roburoc4_move *m, float passed_s, uint64_t now_us) {
     float *speed[BOTH] = {&m->linear_m_s, &m->angular_rad_s};
     float wanted[BOTH] = {0, 0};
-    const bool waits = rolls(m);
+    const bool waits = rolls(m, now_us);
     if (!waits && m->private_kind == FOR) {
         m->private_share = share_for(m, passed_s, now_us);
     } else if (!waits) {
@@ -660,11 +712,9 @@ static void propose(roburoc4_move *m, float passed_s, uint64_t now_us) {
 
 /** At the goal of the leg, and about to stay there. */
 static bool arrived(const roburoc4_move *m) {
-    const bool still =
-        m->private_still >= STILL_STATUSES && m->private_quiet_cycles >= SHOWN_CYCLES;
     return halted(m) && !m->private_unmeasured &&
-           (m->private_kind == REST  ? still
-            : m->private_kind == FOR ? still && m->private_first_us != 0
+           (m->private_kind == REST  ? rests(m)
+            : m->private_kind == FOR ? rests(m) && m->private_first_us != 0
                                      : !m->private_rolls && roburoc4_move_axis_arrived(m));
 }
 
@@ -676,6 +726,10 @@ static float followed(float sent, float speed) {
     return is_finite(sent) && is_finite(speed) && along
                ? with_sign(lesser(magnitude(sent), magnitude(speed)), sent)
                : 0;
+}
+
+static float factor(float true_per_pose) {
+    return is_zero(true_per_pose) || !is_finite(true_per_pose) ? 1 : true_per_pose;
 }
 
 /** Plan the move as soon as everything that it needs is known, or after a second end it with what
@@ -699,12 +753,13 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
         m->linear_m_s = followed(v->sent_linear_m_s, v->linear_m_s);
         m->angular_rad_s = followed(v->sent_angular_rad_s, v->angular_rad_s);
     }
-    m->private_rolls = !halted(m) || beyond(v->linear_m_s, rolling_speed[LENGTH]) ||
+    m->private_rolls = !is_zero(v->sent_linear_m_s) || !is_zero(v->sent_angular_rad_s) ||
+                       beyond(v->linear_m_s, rolling_speed[LENGTH]) ||
                        beyond(v->angular_rad_s, rolling_speed[ANGLE]);
     m->private_relocalized = v->relocalized;
     m->private_step_us = m->private_pose_us = now_us;
-    m->private_per_pose[LENGTH] = is_zero(v->true_per_pose_m) ? 1 : v->true_per_pose_m;
-    m->private_per_pose[ANGLE] = is_zero(v->true_per_pose_rad) ? 1 : v->true_per_pose_rad;
+    m->private_per_pose[LENGTH] = factor(v->true_per_pose_m);
+    m->private_per_pose[ANGLE] = factor(v->true_per_pose_rad);
     if (v->pose_cycles != 0 && !rest) {
         (void)note_pose(m, v);
         m->private_posed = 1;
@@ -722,6 +777,11 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
     roburoc4_move_axis_begin(m);
     (void)next_leg(m);
     return ROBUROC4_MOVE_RUNNING;
+}
+
+void roburoc4_move_hold(roburoc4_move *m) {
+    m->linear_m_s = m->angular_rad_s = m->private_share = 0;
+    m->private_first_us = 0;
 }
 
 int32_t roburoc4_move_end(roburoc4_move *m, int32_t outcome) {
@@ -752,10 +812,10 @@ int32_t roburoc4_move_advance(roburoc4_move *m, const roburoc4_move_view *v, uin
             propose(m, seconds_of(passed_us), now_us);
         }
         if (arrived(m)) {
-            const bool beside = off_course(m);
-            outcome = beside        ? ROBUROC4_MOVE_OFF_COURSE
-                      : next_leg(m) ? ROBUROC4_MOVE_RUNNING
-                                    : ROBUROC4_MOVE_REACHED;
+            outcome = m->private_kind < FOR && stands_elsewhere(m) ? ROBUROC4_MOVE_ODOMETRY
+                      : off_course(m)                              ? ROBUROC4_MOVE_OFF_COURSE
+                      : next_leg(m)                                ? ROBUROC4_MOVE_RUNNING
+                                                                   : ROBUROC4_MOVE_REACHED;
         }
     }
     return outcome == ROBUROC4_MOVE_RUNNING ? outcome : roburoc4_move_end(m, outcome);

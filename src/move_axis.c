@@ -19,7 +19,9 @@
 
 enum { GAIN, LAG, BEND, DELAY, OFFSET, FITS };
 enum { COMMANDED, COVERED, SPEED, SIGNALS };
-enum { STEADY, DOUBTED, JOLTED };
+/* What the speeds say: how many statuses in a row doubt that the wheels are free, up to JOLTED; or
+ * that the last one jumped. */
+enum { STEADY, JOLTED = 4, SLOWER, FASTER };
 
 /* The constants below were found by a search on robots that were drawn at random between the
  * values of bench/family.c; but for `reached` and `slow`, which a move promises, and `pose_age`,
@@ -55,7 +57,11 @@ enum { STEADY, DOUBTED, JOLTED };
 #define SMOOTH 0.77F
 /* No command changes a speed so fast: something stopped the wheels, or let them go. What was
  * learned is wrong then, until they roll again. */
-#define JOLT 0.2F
+#define JOLT 0.09F
+#define JOLT_SLOPES 2.0F
+#define REFRESH_CYCLES 20.0F
+#define FALL 0.06F
+#define FALL_SHARE 0.1F
 #define STANDS 0.05F
 /* Nothing is commanded for a rest below `hold`. */
 #define HOLD 0.0012F
@@ -77,11 +83,11 @@ enum { STEADY, DOUBTED, JOLTED };
 #define SETTLED 0.007F
 #define SETTLE_TIMES 1.5F
 #define SETTLE_MARGIN_S 1.5F
-/* A robot that stands for so long, and was told nothing, is at rest, whatever was learned. */
-#define STOOD_CYCLES 150
 /* None rolls farther than this; after a long way, what was learned is not so exact. */
 #define ROLLS_S 2.5F
 #define ROLLS_M 0.05F
+/* How far it rolls in proportion to its speed, where nothing was learned. */
+#define ROLLS_UNKNOWN_S 1.75F
 
 static const float unit[BOTH] = {1, 1.75F};
 
@@ -123,17 +129,24 @@ static void learn_anew(roburoc4_move *m, const float *signals) {
     f->numbers[OFFSET] = signals[COVERED] + LAG_MEAN * signals[SPEED] - commanded;
     f->spread[GAIN][OFFSET] = f->spread[OFFSET][GAIN] = -commanded * f->spread[GAIN][GAIN];
     f->spread[OFFSET][OFFSET] += commanded * commanded * f->spread[GAIN][GAIN];
-    f->speed = signals[SPEED];
+    f->speed = m->private_measured = signals[SPEED];
+}
+
+void roburoc4_move_axis_again(roburoc4_move *m) {
+    const uint32_t axis = roburoc4_move_axis(m);
+    const float signals[SIGNALS] = {m->private_commanded[axis], m->private_covered[axis], 0};
+    learn_anew(m, signals);
+    m->private_patience_s =
+        SETTLE_TIMES * roburoc4_move_axis_seconds(m, axis, roburoc4_move_left(m, axis)) +
+        SETTLE_MARGIN_S;
+    m->private_side = 0;
+    m->private_turned = 0;
 }
 
 void roburoc4_move_axis_begin(roburoc4_move *m) {
-    static const float rest[SIGNALS] = {0, 0, 0};
-    learn_anew(m, rest);
-    const uint32_t axis = roburoc4_move_axis(m);
-    m->private_patience_s =
-        SETTLE_TIMES * roburoc4_move_axis_seconds(m, axis, m->private_goal[axis]) + SETTLE_MARGIN_S;
-    m->private_side = 0;
-    m->private_turned = m->private_rested = m->private_jolted = 0;
+    m->private_rested = m->private_jolted = m->private_stuck = 0;
+    m->private_rolled = 0;
+    roburoc4_move_axis_again(m);
 }
 
 /** One equation: the best numbers for it and all before. */
@@ -172,21 +185,53 @@ static void fit(roburoc4_move *m, float passed_s) {
     f->gain = 1 + within(f->numbers[GAIN] - 1, GAIN_RANGE);
 }
 
-/** Whether something stopped the wheels, or lets them go. One status that says they stand may be
- * noise. */
-static uint8_t jolts(const roburoc4_move *m, uint32_t axis) {
-    const float speed = m->private_speed[axis], before = m->private_fit.speed;
+/** Whether the speed fell, or the robot stands, although it was not told to brake. */
+static bool falls(roburoc4_move *m, uint32_t axis) {
     const float sent = axis == LENGTH ? m->linear_m_s : m->angular_rad_s;
-    const bool rolled =
-        beyond(before, 2.5F * STANDS * unit[axis]) && beyond(sent, 2 * STANDS * unit[axis]);
-    return beyond(speed - before, JOLT * unit[axis]) ? JOLTED
-           : beyond(speed, STANDS * unit[axis])      ? STEADY
-           : m->private_jolted != STEADY             ? JOLTED
-           : rolled                                  ? DOUBTED
-                                                     : STEADY;
+    const float told = magnitude(sent), speed = with_sign(1, sent) * m->private_speed[axis];
+    const int8_t side = order_of(sent) < 0 ? -1 : 1;
+    const float stands = STANDS * unit[axis];
+    if (side != m->private_rolled || !beyond(told, 2 * stands)) {
+        m->private_rolled = 0;
+        m->private_peak = m->private_told = 0;
+    }
+    if (beyond(told, 2 * stands) && order_of(speed) > order_of(stands)) {
+        m->private_rolled = side;
+    }
+    if (m->private_rolled == 0) {
+        return false;
+    }
+    const bool brakes = order_of(told) < order_of(m->private_told);
+    m->private_told = brakes ? m->private_told : told;
+    m->private_peak = order_of(speed) < order_of(m->private_peak) ? m->private_peak : speed;
+    const float fallen = m->private_peak - speed;
+    return (!brakes && beyond(fallen, FALL * unit[axis] + FALL_SHARE * m->private_peak)) ||
+           (order_of(m->private_peak) > order_of(2 * stands) && !beyond(speed, stands));
 }
 
-void roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, bool covered) {
+/** Whether something stopped the wheels, or lets them go. A single status may be noise. */
+static uint8_t jolts(roburoc4_move *m, uint32_t axis) {
+    const float speed = m->private_speed[axis], change = speed - m->private_measured;
+    const float most = JOLT * unit[axis] +
+                       JOLT_SLOPES * 0.01F * lesser((float)m->private_same_cycles, REFRESH_CYCLES) *
+                           m->private_slope[axis];
+    if (!is_zero(change)) {
+        m->private_measured = speed;
+        m->private_same_cycles = 0;
+    }
+    const uint8_t jumps = !beyond(change, most) ? STEADY : order_of(change) < 0 ? SLOWER : FASTER;
+    const uint8_t before = m->private_jolted;
+    const bool fallen = falls(m, axis);
+    if (before == SLOWER || before == FASTER) { /* unless the next status takes it back */
+        return jumps == STEADY || jumps == before ? JOLTED : STEADY;
+    }
+    return jumps != STEADY    ? (jumps == FASTER && before != STEADY ? STEADY : jumps)
+           : !fallen          ? STEADY
+           : before >= JOLTED ? JOLTED
+                              : (uint8_t)(before + 1);
+}
+
+bool roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, bool covered) {
     const uint32_t axis = roburoc4_move_axis(m);
     roburoc4_private_fit *f = &m->private_fit;
     m->private_patience_s -= passed_s;
@@ -196,9 +241,6 @@ void roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, boo
                                     m->private_covered[axis] + f->since_s * speed, speed};
     if (speeds) {
         m->private_jolted = jolts(m, axis);
-        if (m->private_jolted == JOLTED) {
-            learn_anew(m, signals);
-        }
     }
     const float share = passed_s / (passed_s + FILTER_S);
     for (uint32_t i = 0; i < SIGNALS; i++) {
@@ -211,11 +253,7 @@ void roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, boo
     if (speeds || covered) {
         fit(m, passed_s);
     }
-    if (m->private_quiet_cycles >= STOOD_CYCLES && m->private_stood_cycles >= STOOD_CYCLES) {
-        learn_anew(m, signals);
-        m->private_side = 0;
-        m->private_turned = 0;
-    }
+    return speeds && m->private_jolted == JOLTED;
 }
 
 /** Where it will be at rest, if nothing more is commanded. */
@@ -234,10 +272,11 @@ static float doubt(const roburoc4_move *m, float commanded) {
 
 float roburoc4_move_axis_rolls(const roburoc4_move *m) {
     const float commanded = m->private_commanded[LENGTH];
-    const float most = ROLLS_S * (magnitude(m->private_speed[LENGTH]) + magnitude(m->linear_m_s));
-    return lesser(magnitude(m->private_fit.gain * commanded - m->private_by_speeds[LENGTH]) +
-                      2 * doubt(m, commanded),
-                  most + ROLLS_M);
+    const float speed = magnitude(m->private_speed[LENGTH]);
+    const float most = ROLLS_S * (speed + magnitude(m->linear_m_s));
+    const float known = magnitude(m->private_fit.gain * commanded - m->private_by_speeds[LENGTH]) +
+                        2 * doubt(m, commanded);
+    return lesser(m->private_rolls ? ROLLS_UNKNOWN_S * speed : known, most + ROLLS_M);
 }
 
 /** Nothing is commanded, and the robot nearly stands. */

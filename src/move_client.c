@@ -18,8 +18,7 @@ static void view_distances(roburoc4_move_view *v, const roburoc4_client *client)
     roburoc4_telemeter telemeter;
     v->front_m = FAR_M;
     v->rear_m = FAR_M;
-    if (v->distance_age_us > SILENCE_US ||
-        roburoc4_client_distances(client, &distances, NULL) != ROBUROC4_OK) {
+    if (roburoc4_client_distances(client, &distances, NULL) != ROBUROC4_OK) {
         return;
     }
     for (uint32_t i = 0;
@@ -133,13 +132,18 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
         move->private_kind == REST && facts.stop_outcome == ROBUROC4_STOP_TIMED_OUT;
     if (!move->private_begun) {
         move->private_granted_us = client->private_drive.granted_us;
+        move->private_stopping = 1;
     }
     move->private_driven |=
         facts.driving || client->private_drive.granted_us != move->private_granted_us;
+    /* not by its own drive() */
+    const bool stopped = move->private_driven && facts.stopping && !move->private_stopping;
+    move->private_stopping = facts.stopping;
     if (!move->private_ready && move->private_kind != REST && too_fast(move, client)) {
         roburoc4_move_end(move, ROBUROC4_MOVE_TOO_FAST);
-    } else if (move->private_kind != REST && move->private_driven && !facts.driving &&
-               facts.armed) { /* the lease ended without this move */
+    } else if (move->private_kind != REST && facts.armed &&
+               (stopped || (move->private_driven && !facts.driving))) {
+        /* its lease ended, perhaps before it drove on */
         roburoc4_move_end(move, lapsed ? ROBUROC4_MOVE_LAPSED : ROBUROC4_MOVE_CANCELLED);
     } else {
         /* what it was told before may not have arrived, or it was at rest a while ago */
@@ -147,6 +151,9 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
             facts.age_us[ROBUROC4_SERVICE_DIFFERENTIAL] >=
                 client->private_config.fresh_ms * 1000U) {
             move->private_quiet_cycles = move->private_still = 0;
+        }
+        if (facts.stopping && move->private_kind != REST) { /* only zeros are sent yet */
+            roburoc4_move_hold(move);
         }
         view_client(&view, client, &facts);
         (void)roburoc4_move_advance(move, &view, now_us);

@@ -57,6 +57,8 @@ float roburoc4_move_half_turn(float angle_rad);
 /** One step with what the view says; ends the move where it has to. */
 int32_t roburoc4_move_advance(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us);
 int32_t roburoc4_move_end(roburoc4_move *m, int32_t outcome);
+/** What it proposed was not sent: begin from standing speeds again. */
+void roburoc4_move_hold(roburoc4_move *m);
 /** A robot beside its arc, or turned from it, comes along so many times as far as it drives; 1 for
  * angles. */
 float roburoc4_move_stretch(const roburoc4_move *m, uint32_t axis);
@@ -72,8 +74,11 @@ uint32_t roburoc4_move_axis(const roburoc4_move *m);
 float roburoc4_move_axis_seconds(const roburoc4_move *m, uint32_t axis, float way);
 /** The robot is at rest; nothing is known of its response. */
 void roburoc4_move_axis_begin(roburoc4_move *m);
-/** Time passed; then a status of speeds may have come, or one that says how far the robot is. */
-void roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, bool covered);
+/** The same in the middle of a leg: what was learned is wrong. */
+void roburoc4_move_axis_again(roburoc4_move *m);
+/** Time passed; then a status of speeds may have come, or one that says how far the robot is. True
+ * if something stopped the wheels, or let them go. */
+bool roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, bool covered);
 /** The speed towards the end of the leg. */
 float roburoc4_move_axis_speed(roburoc4_move *m);
 /** Whether the robot is at rest at the end of the leg, and will stay there. */

@@ -40,6 +40,14 @@ class MoveFault : public testing::Test {
         for (int axis = 0; axis < 2; axis++)
             rig.robot.speed[axis] = rig.robot.slope[axis] = 0;
     }
+    /** As far as motors without power brake in a millisecond. */
+    void brake_wheels() {
+        for (int axis = 0; axis < 2; axis++) {
+            const double speed = rig.robot.speed[axis];
+            rig.robot.speed[axis] = std::copysign(std::fmax(std::fabs(speed) - 0.003, 0), speed);
+            rig.robot.slope[axis] = 0;
+        }
+    }
     std::int32_t go(const std::function<void()> &when = nullptr) {
         begin_m = rig.robot.distance_m;
         begin_rad = rig.robot.theta_rad;
@@ -186,6 +194,95 @@ TEST_F(MoveFault, APauseAfterItsFirstStepEndsIt) {
     EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, roburoc4_move_step(&move, &rig.client, family_now_us(&rig)));
 }
 
+TEST_F(MoveFault, APauseBeforeItsDriveEndsIt) {
+    for (const int steps : {0, 150}) {
+        arm();
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, &options));
+        for (int i = 0; i <= steps + 1; i++) {
+            ASSERT_EQ(ROBUROC4_MOVE_RUNNING,
+                      roburoc4_move_step(&move, &rig.client, family_now_us(&rig)));
+            if (i == steps)
+                ASSERT_EQ(ROBUROC4_OK, roburoc4_client_pause(&rig.client, family_now_us(&rig)));
+            ASSERT_EQ(ROBUROC4_OK,
+                      roburoc4_client_drive(&rig.client, move.linear_m_s, move.angular_rad_s, 0,
+                                            family_now_us(&rig)));
+            family_pass(&rig, 10);
+            if (i == steps)
+                break;
+        }
+        EXPECT_EQ(ROBUROC4_MOVE_CANCELLED,
+                  roburoc4_move_step(&move, &rig.client, family_now_us(&rig)))
+            << steps;
+        family_pass(&rig, 1000);
+    }
+}
+
+/** While the zeros of the last one are sent, nothing else is. */
+TEST_F(MoveFault, BeginsGentlyRightAfterAnother) {
+    arm();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0.3F, 0, &options));
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, family_go(&rig, &move, 60000, nullptr, nullptr));
+    double before = 0, steepest = 0;
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, by(0.3F, 0, [&] {
+                  steepest = std::fmax(steepest, rig.last_sent[0] - before);
+                  before = rig.last_sent[0];
+              }));
+    EXPECT_LT(steepest, 0.06);
+}
+
+TEST_F(MoveFault, ComingToRestTakesNoneOfItsTime) {
+    arm();
+    drive_for_two_seconds(0.9F, 0);
+    options.linear_m_s2 = 0.3F;
+    options.timeout_ms = 5000;
+    options.clearance_m = 0;
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, by(0.2F, 0));
+}
+
+TEST_F(MoveFault, WaitsForACommandThatIsNotFollowedYet) {
+    std::uint64_t state = std::random_device{}();
+    std::printf("seed %llu\n", static_cast<unsigned long long>(state));
+    int reached = 0;
+    for (std::uint32_t i = 0; i < 200; i++) {
+        const family_member member = family_member_drawn(&state);
+        ASSERT_EQ(1, family_open(&rig, &member, state));
+        rig.loss = 0;
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_client_drive(&rig.client, 0.2F, -0.2F, 0, family_now_us(&rig)));
+        family_pass(&rig, 10 + state % 240);
+        const double before_m = rig.robot.distance_m;
+        reached += by(i % 2 == 0 ? 1.0F : 0.0F, i % 2 == 0 ? 0.0F : 1.0F) == ROBUROC4_MOVE_REACHED;
+        EXPECT_LT(rig.robot.distance_m - before_m, i % 2 == 0 ? 1.2 : 0.2) << i;
+    }
+    EXPECT_GE(reached, 196) << "of 200";
+}
+
+TEST_F(MoveFault, APoseIsReachedByARobotThatRolled) {
+    std::uint64_t state = std::random_device{}();
+    std::printf("seed %llu\n", static_cast<unsigned long long>(state));
+    for (std::uint32_t i = 0; i < 100; i++) {
+        family_member member = family_member_drawn(&state);
+        member.natural_rad_s = 2.5;
+        ASSERT_EQ(1, family_open(&rig, &member, state));
+        rig.loss = 0;
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_client_drive(&rig.client, -0.5F, 0.5F, 0, family_now_us(&rig)));
+        family_pass(&rig, 200);
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_pose(&move, 1e-3 * static_cast<double>(state % 400),
+                                                     0.1, 1, &options));
+        EXPECT_NE(ROBUROC4_MOVE_ODOMETRY, go()) << i;
+    }
+}
+
+/** Weak turns towards a point are below what the client watches. */
+TEST_F(MoveFault, ARobotThatStaysWhereItIsIsInhibited) {
+    arm();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, 20, 0.7, &options));
+    const std::uint32_t begun_ms = rig.now_ms;
+    EXPECT_EQ(ROBUROC4_MOVE_INHIBITED, go([&] { hold_wheels(); }));
+    EXPECT_LT(rig.now_ms - begun_ms, 8000U + 4000U);
+}
+
 /* ------------------------------------------------------------ turns that respond as they like */
 
 class MoveInACurve : public MoveFault {
@@ -231,6 +328,7 @@ TEST_F(MoveInACurve, NeverStandsForLongAndThenGoesOn) {
 }
 
 TEST_F(MoveInACurve, IsReachedOnItsArcOnly) {
+    int beside = 0;
     for (int i = 0; i < 600; i++) {
         draw_robot();
         const double length_m = between(0.4, 3), angle_rad = between(0.3, 3);
@@ -242,8 +340,10 @@ TEST_F(MoveInACurve, IsReachedOnItsArcOnly) {
             continue;
         const double from_middle_m = std::hypot(rig.robot.x_m - x_m - radius_m * std::cos(left),
                                                 rig.robot.y_m - y_m - radius_m * std::sin(left));
-        EXPECT_NEAR(radius_m, from_middle_m, 0.03 + 0.01 * length_m) << i;
+        EXPECT_NEAR(radius_m, from_middle_m, 0.08 + 0.01 * length_m) << i;
+        beside += std::fabs(radius_m - from_middle_m) > 0.03 + 0.01 * length_m;
     }
+    EXPECT_LE(beside, 2) << "of 600: 1 of 36,000 was found";
 }
 
 TEST_F(MoveInACurve, DrivesNoFartherThanItsWay) {
@@ -259,14 +359,18 @@ TEST_F(MoveInACurve, DrivesNoFartherThanItsWay) {
 }
 
 TEST_F(MoveInACurve, ForATimeIsNoFaultOfOdometry) {
+    int reached = 0;
     for (int i = 0; i < 200; i++) {
         draw_robot();
         ASSERT_EQ(ROBUROC4_OK,
                   roburoc4_move_for(&move, static_cast<float>(between(-1, 1)),
                                     static_cast<float>(between(-1, 1)),
                                     static_cast<std::uint32_t>(between(1000, 6000)), &options));
-        EXPECT_EQ(ROBUROC4_MOVE_REACHED, go()) << i;
+        const std::int32_t outcome = go();
+        EXPECT_NE(ROBUROC4_MOVE_ODOMETRY, outcome) << i;
+        reached += outcome == ROBUROC4_MOVE_REACHED;
     }
+    EXPECT_GE(reached, 198) << "of 200";
 }
 
 /* -------------------------------------------------------------------------- an interrupted way */
@@ -292,12 +396,12 @@ TEST_F(MoveFault, GoesNoFurtherThanItsGoalAfterAnInterruption) {
         const auto interrupt = [&] {
             const double passed_s = 1e-3 * rig.now_ms - begun_s - from_s;
             if (passed_s > 0 && passed_s < span_s)
-                hold_wheels();
+                i % 4 < 2 ? hold_wheels() : brake_wheels();
         };
         (void)(turn ? by(0, static_cast<float>(way), interrupt)
                     : by(static_cast<float>(way), 0, interrupt));
         const double beyond = (turn ? turned() : drove()) - way;
-        far += beyond > (turn ? 30 * degree : 0.3);
+        far += beyond > (turn ? 10 * degree : 0.1);
         if (beyond > (turn ? 90 * degree : 0.75)) {
             furthest++;
             std::printf("%d: %g beyond %g %s at %g, interrupted after %g s for %g s\n", i, beyond,
@@ -346,6 +450,18 @@ TEST_F(MoveFault, OdometryAtHalfScaleEndsIt) {
     EXPECT_LT(drove(), 1.3);
     EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, by(0, static_cast<float>(90 * degree)));
     EXPECT_LT(turned(), 120 * degree);
+}
+
+TEST_F(MoveFault, OdometryAndSpeedsThatAgreeButNotWithItsCommandsEndIt) {
+    family_member larger = nominal; /* than its wheels count */
+    larger.natural_rad_s = 0;
+    larger.gain = 0.55;
+    ASSERT_EQ(1, family_open(&rig, &larger, 1));
+    for (const float speed : {0.3F, 1.0F}) {
+        options.linear_m_s = options.angular_rad_s = speed;
+        EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, by(1.5F, 0)) << speed;
+        EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, by(0, 2)) << speed;
+    }
 }
 
 TEST_F(MoveFault, CorrectionsOfACentimetreDoNotAddUp) {

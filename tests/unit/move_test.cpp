@@ -194,7 +194,7 @@ TEST_F(Move, AStraightMetreEndsWithinACentimetre) {
         EXPECT_NEAR(0.0, aside(), 0.01) << speed;
         EXPECT_NEAR(0.0, turned(), 1 * degree) << speed;
         EXPECT_LT(most_reached, 1.02) << speed;
-        EXPECT_NEAR(ideal_s(1, speed, 0.5), took_s, 0.33 * ideal_s(1, speed, 0.5)) << speed;
+        EXPECT_NEAR(ideal_s(1, speed, 0.5), took_s, 0.4 * ideal_s(1, speed, 0.5)) << speed;
         EXPECT_LE(most_linear, speed);
         expect_standing();
         EXPECT_NEAR(1.0, move.distance_m, 0.01);
@@ -208,7 +208,7 @@ TEST_F(Move, AQuarterTurnEndsWithinADegree) {
         ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(pi / 2)) << move.cause;
         EXPECT_NEAR(pi / 2, turned(), 1 * degree) << speed;
         EXPECT_LT(most_turned, pi / 2 * 1.02) << speed;
-        EXPECT_NEAR(ideal_s(pi / 2, speed, 1), took_s, 0.33 * ideal_s(pi / 2, speed, 1)) << speed;
+        EXPECT_NEAR(ideal_s(pi / 2, speed, 1), took_s, 0.4 * ideal_s(pi / 2, speed, 1)) << speed;
         EXPECT_LE(most_angular, speed);
         expect_standing();
         EXPECT_NEAR(pi / 2, move.angle_rad, 1 * degree);
@@ -1022,6 +1022,13 @@ TEST_F(MoveView, BumpersThatAreNotKnownMustBeRenounced) {
     EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
     EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
     EXPECT_GT(move.linear_m_s, 0);
+}
+
+TEST_F(MoveView, ADistanceOlderThanASecondIsNotKnown) {
+    view.distance_age_us = 2 * second;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    EXPECT_EQ(ROBUROC4_MOVE_NO_FRONT_TELEMETER, step(second + cycle_us));
 }
 
 TEST_F(MoveView, RestEndsWhenThePadDrives) {
