@@ -28,11 +28,12 @@
  *                 that is lower, and none changes faster than the requested acceleration, also when
  *                 braking. (The end of a move that is not reached is a stop sequence: at once.)
  *   The beginning A robot that still rolls is first brought to rest, at the requested acceleration.
- *                 Distance and angle count from there.
+ *                 The way that was asked for counts from there, distance_m and angle_rad from the
+ *                 first step. What it takes is not part of the limit of the duration.
  *   Braking       The move knows how much distance it has commanded and how much of it the robot
  *                 has covered. From both it learns how late and how far this robot follows, and
  *                 brakes the earlier the less it knows. Where something stops the wheels in
- *                 mid-move, it learns anew. It proposes no speed beyond its goal.
+ *                 mid-move, it comes to rest and learns anew. It proposes no speed beyond its goal.
  *   Odometry      Distance is measured by the localization service if its pose is fresh when the
  *                 move begins, else by the reported speeds. A move ends where what was commanded,
  *                 the speeds and the pose disagree by more than 0.15 m or 15 degrees plus a fifth
@@ -75,7 +76,7 @@ extern "C" {
 #define ROBUROC4_MOVE_OVERRIDE 2        /* [A] on the game pad is held, or its state is unknown */
 #define ROBUROC4_MOVE_BUMPER 3          /* a bumper is pressed */
 #define ROBUROC4_MOVE_OBSTACLE 4        /* a telemeter saw something too near */
-#define ROBUROC4_MOVE_INHIBITED 5       /* it does not move: emergency stop, brakes, no power */
+#define ROBUROC4_MOVE_INHIBITED 5       /* it stands: emergency stop, brakes, no motor power */
 #define ROBUROC4_MOVE_LOST 6            /* statuses that it needs, or commands, do not arrive */
 #define ROBUROC4_MOVE_OTHER_COMMANDER 7 /* another client commands the robot */
 #define ROBUROC4_MOVE_TIMEOUT 8
@@ -83,7 +84,7 @@ extern "C" {
 #define ROBUROC4_MOVE_LAPSED 10   /* the program hung: a lease of the move expired */
 #define ROBUROC4_MOVE_ODOMETRY 11 /* commands, speeds and pose disagree */
 #define ROBUROC4_MOVE_RELOCALIZED 12 /* the pose was set, or jumped */
-#define ROBUROC4_MOVE_OFF_COURSE 13  /* at rest, beside the goal */
+#define ROBUROC4_MOVE_OFF_COURSE 13  /* at rest beside its goal, or far beside its way */
 #define ROBUROC4_MOVE_TOO_FAST 14    /* asked for a speed beyond the client's ceilings */
 /* with a clearance, and this sensor is not known or has no fresh distance */
 #define ROBUROC4_MOVE_NO_FRONT_BUMPER 15

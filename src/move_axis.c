@@ -104,8 +104,10 @@ float roburoc4_move_root(float square) {
 }
 
 float roburoc4_move_axis_seconds(const roburoc4_move *m, uint32_t axis, float way) {
-    const float limit = m->private_limit[axis];
-    return magnitude(way) / limit + limit / m->private_slope[axis];
+    const float limit = m->private_limit[axis], slope = m->private_slope[axis];
+    const float ramps = limit * limit / slope;
+    return beyond(way, ramps) ? magnitude(way) / limit + limit / slope
+                              : 2 * roburoc4_move_root(magnitude(way) / slope);
 }
 
 /** Learn anew, of a robot that moves as it does now. */

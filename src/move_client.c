@@ -119,6 +119,21 @@ static bool too_fast(roburoc4_move *m, const roburoc4_client *client) {
     return false;
 }
 
+/** Whether its lease ended without it, perhaps before it drove on. */
+static bool ended_elsewhere(roburoc4_move *m, const roburoc4_client *client,
+                            const roburoc4_facts *facts) {
+    if (!m->private_begun) {
+        m->private_granted_us = client->private_drive.granted_us;
+        m->private_stopping = 1;
+    }
+    m->private_driven |=
+        facts->driving || client->private_drive.granted_us != m->private_granted_us;
+    const bool stopped = facts->stopping && !m->private_stopping;
+    m->private_stopping = facts->stopping;
+    return m->private_kind != REST && m->private_driven && facts->armed &&
+           (stopped || !facts->driving);
+}
+
 int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_t now_us) {
     roburoc4_move_view view;
     roburoc4_facts facts;
@@ -130,20 +145,10 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
     const bool lapsed = facts.armed && facts.lapsed;
     const bool unconfirmed =
         move->private_kind == REST && facts.stop_outcome == ROBUROC4_STOP_TIMED_OUT;
-    if (!move->private_begun) {
-        move->private_granted_us = client->private_drive.granted_us;
-        move->private_stopping = 1;
-    }
-    move->private_driven |=
-        facts.driving || client->private_drive.granted_us != move->private_granted_us;
-    /* not by its own drive() */
-    const bool stopped = move->private_driven && facts.stopping && !move->private_stopping;
-    move->private_stopping = facts.stopping;
+    const bool elsewhere = ended_elsewhere(move, client, &facts);
     if (!move->private_ready && move->private_kind != REST && too_fast(move, client)) {
         roburoc4_move_end(move, ROBUROC4_MOVE_TOO_FAST);
-    } else if (move->private_kind != REST && facts.armed &&
-               (stopped || (move->private_driven && !facts.driving))) {
-        /* its lease ended, perhaps before it drove on */
+    } else if (elsewhere) {
         roburoc4_move_end(move, lapsed ? ROBUROC4_MOVE_LAPSED : ROBUROC4_MOVE_CANCELLED);
     } else {
         /* what it was told before may not have arrived, or it was at rest a while ago */
