@@ -210,6 +210,11 @@ void roburoc4_lifecycle_jump(client *c, uint64_t now_us) {
 
 void roburoc4_lifecycle_see_time(client *c, uint64_t now_us) {
     see_time(c, now_us);
+    if (lapses(&c->private_drive, c->private_timer.now_us)) {
+        roburoc4_drive_tick(&c->private_drive, &c->private_config, ROBUROC4_OK, &c->private_timer,
+                            &c->private_events);
+        wake(c);
+    }
 }
 
 /* ---- init, start, close ---- */

@@ -70,20 +70,11 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
     return result;
 }
 
-/** Whether the last lease expired, noticed or not. */
-static bool lapsed(const roburoc4_private_drive *d, uint32_t now_us) {
-    return d->lapsed || (d->lease_active && now_us - d->granted_us >= d->lease_us);
-}
-
 roburoc4_result roburoc4_client_pause(client *c, uint64_t now_us) {
     if (!started(c)) {
         return ROBUROC4_ERR_STATE;
     }
     begin_call(c, now_us);
-    if (lapsed(&c->private_drive, (uint32_t)now_us)) { /* it may be too late to forgive that */
-        roburoc4_drive_tick(&c->private_drive, &c->private_config, ROBUROC4_OK, &c->private_timer,
-                            &c->private_events);
-    }
     roburoc4_drive_pause(&c->private_drive);
     return ROBUROC4_OK;
 }

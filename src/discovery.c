@@ -132,19 +132,30 @@ bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *conf
     return false;
 }
 
+/** Whether nothing contradicts what element i is taken for. A type may be that of another robot's
+ * service, and the program may be wrong. */
+static bool certain(const discovery *d, const roburoc4_config *config, uint32_t i) {
+    const uint16_t id = d->ids[i];
+    const uint8_t set = kind_set(config, id), type = kind_of_type(d->types[i]);
+    const uint8_t text = d->claims[i], told = set != CLAIM_NONE ? set : type;
+    if (told != CLAIM_NONE) {
+        return (type == CLAIM_NONE || type == told) &&
+               (text != ROBUROC4_SERVICE_IOCARD || told == ROBUROC4_SERVICE_IOCARD);
+    }
+    return text < ROBUROC4_SERVICE_COUNT || text == CLAIM_OTHER ||
+           (id < ROBUROC4_SERVICE_COUNT && d->service_ids[id] == id &&
+            (d->fitting & service_bit(id)) != 0);
+}
+
 bool roburoc4_discovery_guessed(const discovery *d, const roburoc4_config *config, uint16_t only) {
     for (uint32_t i = 0; i < d->service_count; i++) {
         const uint16_t id = d->ids[i];
-        const bool manuals = id < ROBUROC4_SERVICE_COUNT;
-        const bool fits = manuals && (d->fitting & service_bit(id)) != 0;
         if ((only == 0 || id == only) && id > ROBUROC4_SERVICE_NOTIFICATION &&
-            kind_set(config, id) == CLAIM_NONE && kind_of_type(d->types[i]) == CLAIM_NONE &&
-            !fits && d->claims[i] >= ROBUROC4_SERVICE_COUNT &&
-            (manuals || d->claims[i] == CLAIM_REFUSED)) {
+            !certain(d, config, i)) {
             return true;
         }
     }
-    return false;
+    return only == 0 && config->iocard_id >= 0; /* it is not in the directory */
 }
 
 /** How well element i matches a service: 4 by the program's setting, 3 by type, 2 by text, 1 by the
@@ -297,7 +308,7 @@ static uint8_t kind_of_text(piece text) {
             return (uint8_t)(ROBUROC4_SERVICE_IOCARD + i);
         }
     }
-    return CLAIM_OTHER;
+    return text.length == 0 ? CLAIM_REFUSED : CLAIM_OTHER; /* an empty one says nothing */
 }
 
 /** Whether a text has all words of a role. That of [A] has no others: "Game pad A LED" is not [A],

@@ -486,7 +486,13 @@ static inline void see_time(roburoc4_client *c, uint64_t now_us) {
     c->private_now_us = now_us;
     c->private_timer.now_us = (uint32_t)now_us;
 }
-/** The same for calls that are rare: not inlined, which is smaller. */
+/** Whether a lease expired, or may disarm for that: before anything else that is noticed late. */
+static inline bool lapses(const roburoc4_private_drive *d, uint32_t now_us) {
+    return (d->lapsed && d->armed) ||
+           (d->lease_active && now_us - d->granted_us >= d->lease_us);
+}
+/** The same as see_time() for calls that are rare: not inlined, which is smaller. It also notices a
+ * lapse. */
 void roburoc4_lifecycle_see_time(roburoc4_client *c, uint64_t now_us);
 /** The same for a call that makes something due. */
 static inline void begin_call(roburoc4_client *c, uint64_t now_us) {

@@ -581,6 +581,9 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
         return ROBUROC4_ERR_STATE;
     }
     see_time(c, now_us);
+    if (lapses(&c->private_drive, (uint32_t)now_us)) {
+        roburoc4_lifecycle_see_time(c, now_us);
+    }
     if (c->private_outputs.relocalizing) {
         roburoc4_schedule_pose_waits(c);
     }

@@ -174,7 +174,8 @@ roburoc4_result roburoc4_client_distances(const client *c, roburoc4_distances *o
     out->robot_cycles = s->robot_cycles;
     memcpy(out->distances_m, c->private_values.distances, sizeof out->distances_m);
     out->count = c->private_values.distance_count;
-    if ((c->private_discovery.known & service_bit(ROBUROC4_SERVICE_TELEMETER)) != 0 &&
+    const bool known = (c->private_discovery.known & service_bit(ROBUROC4_SERVICE_TELEMETER)) != 0;
+    if ((known || c->private_values.telemeter_count != 0) && /* or they were, before it was lost */
         out->count > c->private_values.telemeter_count) {
         out->count = c->private_values.telemeter_count; /* the others are surplus bytes */
     }

@@ -641,19 +641,57 @@ TEST(UnknownOverride, IsNotAllowedWhileAServiceIsNotKnown) {
     }
 }
 
-/* A card with the battery's id would be taken for the battery. */
+/* A card with another service's id would be taken for that one, be it listed with another id. */
 TEST(UnknownOverride, IsNotAllowedIfTheManualsIdAloneSaysWhatAServiceIs) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
-    ScriptedRobot robot;
-    robot.remove(ROBUROC4_SERVICE_BATTERY);
-    robot.service(ROBUROC4_SERVICE_IOCARD).type = 0x7100;
-    robot.service(ROBUROC4_SERVICE_IOCARD).id = ROBUROC4_SERVICE_BATTERY;
-    robot.texts_refused = true;
-    Bench bench(robot, config);
-    bench.ready();
-    bench.run(20 * second);
-    EXPECT_NE(ROBUROC4_OK, bench.arm());
+    for (const std::uint16_t other : std::initializer_list<std::uint16_t>{
+             ROBUROC4_SERVICE_TELEMETER, ROBUROC4_SERVICE_BATTERY, ROBUROC4_SERVICE_LOCALIZATION,
+             ROBUROC4_SERVICE_DIFFERENTIAL}) {
+        for (const bool refused : {true, false}) {
+            SCOPED_TRACE(other);
+            ScriptedRobot robot;
+            if (other == ROBUROC4_SERVICE_BATTERY)
+                robot.remove(other);
+            else
+                robot.service(other).id = ROBUROC4_SERVICE_IOCARD;
+            ScriptedService &card = robot.service(ROBUROC4_SERVICE_IOCARD);
+            card.type = 0x7100;
+            card.id = other;
+            card.text = ""; /* says as much as a refusal */
+            robot.texts_refused = refused;
+            Bench bench(robot, config);
+            bench.ready();
+            bench.run(20 * second);
+            EXPECT_NE(ROBUROC4_OK, bench.arm());
+        }
+    }
+}
+
+TEST(UnknownOverride, IsNotAllowedWhereTextAndTypeContradictEachOther) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    for (const int type : {ROBUROC4_TYPE_TELEMETER, ROBUROC4_TYPE_LASER}) {
+        ScriptedRobot robot;
+        robot.service(ROBUROC4_SERVICE_IOCARD).type = static_cast<std::uint16_t>(type);
+        Bench bench(robot, config);
+        bench.ready();
+        bench.run(20 * second);
+        EXPECT_NE(ROBUROC4_OK, bench.arm()) << type;
+    }
+}
+
+TEST(UnknownOverride, IsNotAllowedIfTheCardThatWasSetIsNone) {
+    for (const std::int32_t id : {9, 3, 6}) {
+        roburoc4_config config = default_config();
+        config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+        config.iocard_id = id;
+        ScriptedRobot robot;
+        Bench bench(robot, config);
+        bench.ready();
+        bench.run(20 * second);
+        EXPECT_NE(ROBUROC4_OK, bench.arm()) << id;
+    }
 }
 
 TEST(UnknownOverride, IsNotAllowedBeforeTextsWereRequested) {

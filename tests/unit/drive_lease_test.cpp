@@ -486,6 +486,37 @@ TEST(Lapse, IsNotForgivenByAPauseThatComesTooLate) {
     }
 }
 
+/* Whatever the program calls first afterwards, and whatever the robot shows then. */
+TEST(Lapse, IsNoticedBeforeAnythingElse) {
+    for (int first = 0; first < 4; first++) {
+        SCOPED_TRACE(first);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 500 * ms));
+        bench.take_events();
+        robot.follows = false; /* its watchdog tripped, or a button was pressed */
+        bench.now_us += 8 * second;
+        robot.advance(bench.now_us);
+        switch (first) {
+        case 0:
+            bench.run(ms);
+            break;
+        case 1:
+            EXPECT_EQ(ROBUROC4_OK, roburoc4_client_stop(&bench.client, bench.now_us));
+            break;
+        case 2:
+            EXPECT_EQ(ROBUROC4_OK, roburoc4_client_close(&bench.client, bench.now_us));
+            break;
+        default:
+            EXPECT_EQ(ROBUROC4_OK, roburoc4_client_pause(&bench.client, bench.now_us));
+        }
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_LAPSED);
+        if (first != 1) /* stop() is a cause of its own */
+            EXPECT_EQ(ROBUROC4_ERR_LAPSED, bench.facts().disarm_cause);
+    }
+}
+
 TEST(Lapse, AProgramThatHungNeverDrivesOn) {
     for (const bool pump_runs_on : {false, true}) {
         SCOPED_TRACE(pump_runs_on);
