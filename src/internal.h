@@ -488,8 +488,7 @@ static inline void see_time(roburoc4_client *c, uint64_t now_us) {
 }
 /** Whether a lease expired, or may disarm for that: before anything else that is noticed late. */
 static inline bool lapses(const roburoc4_private_drive *d, uint32_t now_us) {
-    return (d->lapsed && d->armed) ||
-           (d->lease_active && now_us - d->granted_us >= d->lease_us);
+    return (d->lease_active || (d->lapsed && d->armed)) && now_us - d->granted_us >= d->lease_us;
 }
 /** The same as see_time() for calls that are rare: not inlined, which is smaller. It also notices a
  * lapse. */

@@ -581,7 +581,7 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
         return ROBUROC4_ERR_STATE;
     }
     see_time(c, now_us);
-    if (lapses(&c->private_drive, (uint32_t)now_us)) {
+    if (lapses(&c->private_drive, c->private_timer.now_us)) {
         roburoc4_lifecycle_see_time(c, now_us);
     }
     if (c->private_outputs.relocalizing) {
@@ -591,7 +591,7 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
     c->private_discovery.described_kind = 0;
     if (size >= STATUS_HEAD && datagram[0] == ROBUROC4_HEADER_STATUS) {
         result = receive_status(c, datagram, size);
-        if (!c->private_conditions.armable && !c->private_drive.armed) {
+        if (!c->private_drive.armed && !c->private_conditions.armable) {
             roburoc4_conditions_watch_arming(c);
         }
     } else if (size == 0 || datagram[0] == ROBUROC4_HEADER_STATUS) {
