@@ -21,8 +21,12 @@ int main(int argc, char **argv) {
     roburoc4_localization_status pose;
     roburoc4_move move;
     roburoc4_result result;
-    if (roburoc4_udp_resolve(argc > 1 ? argv[1] : "127.0.0.1", 0, &robot) < 0 ||
-        roburoc4_udp_open(&udp, sizeof udp, &robot) < 0) {
+    result = roburoc4_udp_resolve(argc > 1 ? argv[1] : "127.0.0.1", 0, &robot);
+    if (result >= 0) {
+        result = roburoc4_udp_open(&udp, sizeof udp, &robot);
+    }
+    if (result < 0) {
+        fprintf(stderr, "%s: %s\n", argc > 1 ? argv[1] : "", roburoc4_result_text(result));
         return 1;
     }
     signal(SIGINT, on_signal);

@@ -6,6 +6,7 @@
  */
 #define _POSIX_C_SOURCE 200809L
 
+#include <errno.h>
 #include <roburoc4_udp.h>
 #include <signal.h>
 #include <stdio.h>
@@ -93,11 +94,16 @@ static int run(int loop, int signals) {
 int main(int argc, char **argv) {
     const int loop = epoll_create1(EPOLL_CLOEXEC);
     roburoc4_address robot;
+    roburoc4_result result;
     sigset_t ending;
     int signals;
     int error;
-    if (roburoc4_udp_resolve(argc > 1 ? argv[1] : "127.0.0.1", 0, &robot) < 0 ||
-        roburoc4_udp_open(&udp, sizeof udp, &robot) < 0) {
+    result = roburoc4_udp_resolve(argc > 1 ? argv[1] : "127.0.0.1", 0, &robot);
+    if (result >= 0) {
+        result = roburoc4_udp_open(&udp, sizeof udp, &robot);
+    }
+    if (result < 0) {
+        fprintf(stderr, "%s: %s\n", argc > 1 ? argv[1] : "", roburoc4_result_text(result));
         return 1;
     }
     sigemptyset(&ending);
@@ -106,7 +112,7 @@ int main(int argc, char **argv) {
     sigprocmask(SIG_BLOCK, &ending, NULL);
     signals = signalfd(-1, &ending, SFD_CLOEXEC);
     if (watch(loop, (int)roburoc4_udp_fd(&udp)) < 0 || watch(loop, signals) < 0 ||
-        watch(loop, STDIN_FILENO) < 0) {
+        (watch(loop, STDIN_FILENO) < 0 && errno != EPERM)) { /* a file, or /dev/null */
         perror("event_loop");
         return 1;
     }

@@ -152,9 +152,9 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 
 /** How the last stop sequence ended: stop_outcome of roburoc4_facts. */
 #define ROBUROC4_STOP_NONE 0       /* none was sent yet */
-#define ROBUROC4_STOP_RUNNING 1    /* it has not ended */
+#define ROBUROC4_STOP_RUNNING 1    /* it has not ended, or waits until a service takes zeros */
 #define ROBUROC4_STOP_CONFIRMED 2  /* a status from well after the zeros shows both targets 0 */
-#define ROBUROC4_STOP_TIMED_OUT 3  /* robot_watchdog_ms passed, or nothing takes zeros */
+#define ROBUROC4_STOP_TIMED_OUT 3  /* robot_watchdog_ms passed, or nothing took zeros at the end */
 #define ROBUROC4_STOP_OVERRIDDEN 4 /* [A] was held, so the robot may have ignored the zeros */
 
 /** What an IO input is for, independent of its index. */
@@ -178,8 +178,8 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
  * the same factor */
 #define ROBUROC4_OPTION_TURN_KEEPING 0x01
 /* for a robot without game pad inputs. An IO card that is listed must still report its counts; if
- * none is listed, every service must be identified by type or text, or by properties that fit the
- * manual's id */
+ * none is listed, every service must be identified by type or text, which must not contradict each
+ * other, or by properties that fit the manual's id; and iocard_id must not be set */
 #define ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE 0x02
 /* stay armed when another client commands; also for a robot that reports ramped targets */
 #define ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER 0x04
@@ -373,13 +373,15 @@ typedef struct roburoc4_facts {
                                    status was received since the robot was found */
     uint8_t rear_bumper_known;  /* likewise */
     uint8_t battery_low;       /* 1: remaining is below minimum_percent, or the state is Critical */
-    uint8_t battery_known;     /* 1: `battery_low` is valid */
+    uint8_t battery_known;     /* 1: `battery_low` is valid, from the next status after the minimum
+                                  arrived */
     uint8_t descriptions_done; /* 1: every text was answered or given up */
-    uint8_t lapsed;            /* 1: the last lease expired; 0 again after pause(), stop(), arm(),
-                                  drive(), or if something else disarms */
+    uint8_t lapsed;            /* 1: the last lease expired before anything else ended it; 0 again
+                                  after pause(), stop(), arm() or drive() */
     uint8_t stop_outcome;      /* ROBUROC4_STOP_* of the last stop sequence */
     uint8_t missing; /* subscriptions without data: bits 1u << ROBUROC4_SERVICE_* of services that
-                        the robot does not list, or whose subscription it refused */
+                        the robot does not list, or whose subscription it refused, or did not
+                        acknowledge yet after five requests */
     uint8_t reserved[2];
     int32_t disarm_cause;      /* why the client is not armed; 0 while armed */
     int32_t arm_refusal;       /* what roburoc4_client_arm() would return */
@@ -484,18 +486,18 @@ ROBUROC4_API roburoc4_result roburoc4_client_inputs(const roburoc4_client *clien
 typedef struct roburoc4_distances {
     uint64_t robot_cycles;
     float distances_m[ROBUROC4_MAX_TELEMETERS];
-    uint32_t count; /* stored ones */
+    uint32_t count; /* of the telemeters; while they are not known, as many as the status holds */
     uint32_t reserved;
 } roburoc4_distances;
 ROBUROC4_API roburoc4_result roburoc4_client_distances(const roburoc4_client *client,
                                                        roburoc4_distances *out, uint64_t *host_us);
 
 /* Outputs. A command carries all outputs, and the robot does not report them: outputs that were
- * not set since the robot was found are sent as 0. Each change is sent three times. */
+ * not set since the client or the robot started are sent as 0. Each change is sent three times. */
 
 /** Set the digital outputs selected by `mask` to their bits in `values`, in one datagram; all or
  *  none. ROBUROC4_ERR_UNKNOWN before the counts are known, _RESERVED for output 0, _INDEX beyond
- *  the last, _NOT_READY. */
+ *  the last (or the last for which the client has room), _NOT_READY. */
 ROBUROC4_API roburoc4_result roburoc4_client_set_digital_outputs(roburoc4_client *client,
                                                                  uint64_t mask, uint64_t values,
                                                                  uint64_t now_us);
@@ -511,9 +513,9 @@ ROBUROC4_API roburoc4_result roburoc4_client_set_analog_output(roburoc4_client *
  *  The same after a time without fresh statuses (ROBUROC4_ERR_STALE_DIFFERENTIAL, or _TIMEOUT
  *  without an answer), or where the robot refuses (_ROBOT). A later call replaces it; in fixed-id
  *  mode (`fixed_id`) call it after the end of the one before, whose late answer would count. It
- * ends with ROBUROC4_EVENT_RELOCALIZED or _RELOCALIZE_FAILED; repeats that a queue still holds then
- * set the pose again when they arrive. ROBUROC4_ERR_NOT_FINITE, _NOT_READY, _UNKNOWN (no
- * localization service). */
+ * ends with ROBUROC4_EVENT_RELOCALIZED or _RELOCALIZE_FAILED, unless the client is closed; repeats
+ * that a queue still holds then set the pose again when they arrive. ROBUROC4_ERR_NOT_FINITE,
+ * _UNITS (more than two turns: degrees?), _NOT_READY, _UNKNOWN (no localization service). */
 ROBUROC4_API roburoc4_result roburoc4_client_relocalize(roburoc4_client *client, double x_m,
                                                         double y_m, double theta_rad,
                                                         uint64_t now_us);

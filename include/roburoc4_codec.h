@@ -86,7 +86,7 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_STOPPED (-34)            /* stop() was called */
 #define ROBUROC4_ERR_LAPSED (-35)         /* a lease expired, and the program did not renew it */
 #define ROBUROC4_ERR_UPLINK (-36)         /* commands reach the robot late, or not at all */
-#define ROBUROC4_ERR_UNITS (-37)          /* a speed beyond any RobuROC4: mm/s, degrees? */
+#define ROBUROC4_ERR_UNITS (-37)          /* a speed or angle that looks like mm/s or degrees */
 #define ROBUROC4_ERR_NOT_SUBSCRIBED (-38) /* the robot refused a subscription for driving */
 /* of the UDP adapter and the pump (roburoc4_udp.h, roburoc4_pump.h) */
 #define ROBUROC4_ERR_SYSTEM (-40)  /* the operating system refused; errno says why */

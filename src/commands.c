@@ -6,6 +6,8 @@
 #include "internal.h"
 
 #define OUTPUT_REPEATS 3
+/* Two turns; beyond them, an angle is taken for degrees. */
+#define MOST_THETA_RAD 12.57
 
 static bool started(const client *c) {
     return c->private_state != ROBUROC4_STATE_IDLE && c->private_state != ROBUROC4_STATE_CLOSING;
@@ -179,6 +181,9 @@ roburoc4_result roburoc4_client_relocalize(client *c, double x_m, double y_m, do
     roburoc4_private_outputs *o = &c->private_outputs;
     if (!finite_f64(x_m) || !finite_f64(y_m) || !finite_f64(theta_rad)) {
         return ROBUROC4_ERR_NOT_FINITE;
+    }
+    if ((bits_from_f64(theta_rad) & INT64_MAX) > bits_from_f64(MOST_THETA_RAD)) {
+        return ROBUROC4_ERR_UNITS;
     }
     if (c->private_state != ROBUROC4_STATE_READY) {
         return ROBUROC4_ERR_NOT_READY;

@@ -56,7 +56,7 @@ static const char motion[] =
     "stopped by stop(): call arm() to drive again\0"
     "the program did not renew its drive command in time: call arm() to drive again\0"
     "commands reach the robot late or not at all: check the link\0"
-    "faster than any RobuROC4: give m/s and rad/s, at most 5 and 10\0"
+    "these look like mm/s or degrees: give at most 5 m/s and 10 rad/s, and angles in radians\0"
     "no subscription to statuses that driving needs: the robot refused it (its list may be "
     "full: "
     "restart it) or has no such service";

@@ -574,12 +574,7 @@ static void count_drop(client *c, roburoc4_result why) {
     }
 }
 
-roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size_t size,
-                                        uint64_t now_us) {
-    roburoc4_result result;
-    if (c->private_state == ROBUROC4_STATE_IDLE) {
-        return ROBUROC4_ERR_STATE;
-    }
+static inline void see_time_of_datagram(client *c, uint64_t now_us) {
     see_time(c, now_us);
     if (lapses(&c->private_drive, c->private_timer.now_us)) {
         roburoc4_lifecycle_see_time(c, now_us);
@@ -587,6 +582,15 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
     if (c->private_outputs.relocalizing) {
         roburoc4_schedule_pose_waits(c);
     }
+}
+
+roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size_t size,
+                                        uint64_t now_us) {
+    roburoc4_result result;
+    if (c->private_state == ROBUROC4_STATE_IDLE) {
+        return ROBUROC4_ERR_STATE;
+    }
+    see_time_of_datagram(c, now_us);
     count_up(c, ROBUROC4_COUNT_RECEIVED);
     c->private_discovery.described_kind = 0;
     if (size >= STATUS_HEAD && datagram[0] == ROBUROC4_HEADER_STATUS) {

@@ -591,6 +591,9 @@ TEST(Relocalize, IsRefusedIfItIsImpossible) {
         EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, relocalize(bench, 0, bad, 0));
         EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, relocalize(bench, 0, 0, bad));
     }
+    for (const double degrees : {90.0, -45.0})
+        EXPECT_EQ(ROBUROC4_ERR_UNITS, relocalize(bench, 0, 0, degrees));
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, relocalize(bench, 0, 0, -12.5)) << "two turns";
 }
 
 TEST(Relocalize, SendsOneAsTimestampIfNoCountIsKnown) {

@@ -213,7 +213,8 @@ const struct {
     {ROBUROC4_ERR_LAPSED,
      "the program did not renew its drive command in time: call arm() to drive again"},
     {ROBUROC4_ERR_UPLINK, "commands reach the robot late or not at all: check the link"},
-    {ROBUROC4_ERR_UNITS, "faster than any RobuROC4: give m/s and rad/s, at most 5 and 10"},
+    {ROBUROC4_ERR_UNITS,
+     "these look like mm/s or degrees: give at most 5 m/s and 10 rad/s, and angles in radians"},
     {ROBUROC4_ERR_NOT_SUBSCRIBED,
      "no subscription to statuses that driving needs: the robot refused it (its list may be full: "
      "restart it) or has no such service"},

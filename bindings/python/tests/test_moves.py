@@ -173,6 +173,13 @@ def test_a_robot_that_is_not_armed_does_not_move(sim: Simulator) -> None:
     assert sim.state.nonzero_speed_commands == 0
 
 
+def test_a_heading_in_degrees_is_refused(sim: Simulator) -> None:
+    with sim.connect() as robot:
+        robot.arm()
+        with pytest.raises(roburoc4.ArgumentError, match=r"90 .*radians \(not degrees\)"):
+            robot.goto(1.0, 0.0, 90)
+
+
 def test_a_closed_robot_does_not_move(sim: Simulator) -> None:
     robot = sim.connect()
     robot.arm()

@@ -167,6 +167,8 @@ def test_relocalize_waits_until_the_robot_has_accepted_it(roburoc4_simulator: Si
         robot.relocalize(1.0, 2.0, 0.5)  # no pose will come to confirm it
         with pytest.raises(roburoc4.ArgumentError):
             robot.relocalize(math.inf, 0, 0)
+        with pytest.raises(roburoc4.ArgumentError, match="angles in radians"):
+            robot.relocalize(0, 0, 90)
 
 
 def test_relocalize_that_nobody_answers_times_out(roburoc4_simulator: Simulator) -> None:

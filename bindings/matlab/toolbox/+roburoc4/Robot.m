@@ -705,7 +705,7 @@ methods (Access = private)
             struct('speed', [], 'clearance', -1, 'timeout', 0));
         speed = 0;
         if ~isempty(own.speed)
-            speed = roburoc4.internal.number(own.speed, 'speed', 0.001, 100);
+            speed = roburoc4.internal.number(own.speed, 'speed', 0.001, 10);
         end
         if ~isequal(own.clearance, -1) || any(strcmpi(given(1:2:end), 'clearance'))
             own.clearance = roburoc4.internal.number(own.clearance, 'clearance', 0, 100);

@@ -168,8 +168,13 @@ class Move:
         if theta_rad is None:
             _native.roburoc4_move_to_point(self._move, x_m, y_m, self._options)
         else:
-            theta_rad = math.remainder(theta_rad, math.tau)
-            _native.roburoc4_move_to_pose(self._move, x_m, y_m, theta_rad, self._options)
+            try:
+                _native.roburoc4_move_to_pose(self._move, x_m, y_m, theta_rad, self._options)
+            except ArgumentError as error:
+                if error.code is Result.UNITS:
+                    usable = "radians (not degrees), within two turns"
+                    raise unusable("theta_rad", theta_rad, usable, error.code) from None
+                raise
         return self
 
     def for_(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> "Move":
