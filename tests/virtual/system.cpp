@@ -14,6 +14,7 @@ extern "C" {
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <map>
 #include <mutex>
 
 namespace virtual_system {
@@ -59,6 +60,7 @@ std::map<const void *, SignalState> signals;
 std::map<int64_t, int> raised; /* wakes, by handle */
 std::map<uint16_t, Host *> hosts;
 std::vector<void (*)(void)> exit_handlers;
+std::map<void *, size_t> block_sizes;
 int64_t last_handle;
 uint64_t drawn;
 
@@ -825,13 +827,19 @@ void roburoc4_wake_clear(const roburoc4_wake *wake) {
 }
 
 /* src/ and sim/ are compiled with these names of functions of the C library. */
+/* Behind each block; whatever writes there is found when the block is freed. */
+static const char guard[] = "nothing is written here";
+
 void *virtual_calloc(size_t count, size_t size);
 void *virtual_calloc(size_t count, size_t size) {
-    if (sys.allocations-- > 0) {
-        return std::calloc(count, size);
+    if (sys.allocations-- <= 0) {
+        errno = ENOMEM;
+        return nullptr;
     }
-    errno = ENOMEM;
-    return nullptr;
+    auto *block = static_cast<char *>(std::calloc(1, count * size + sizeof guard));
+    memcpy(block + count * size, guard, sizeof guard);
+    block_sizes[block] = count * size;
+    return block;
 }
 
 void *virtual_malloc(size_t size);
@@ -841,6 +849,13 @@ void *virtual_malloc(size_t size) {
 
 void virtual_free(void *pointer);
 void virtual_free(void *pointer) {
+    const auto block = block_sizes.find(pointer);
+    if (block != block_sizes.end()) {
+        if (memcmp(static_cast<char *>(pointer) + block->second, guard, sizeof guard) != 0) {
+            std::abort();
+        }
+        block_sizes.erase(block);
+    }
     std::free(pointer);
     errno = EIO; /* as old C libraries may */
 }
