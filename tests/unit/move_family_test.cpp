@@ -412,6 +412,19 @@ TEST_F(MoveFault, GoesNoFurtherThanItsGoalAfterAnInterruption) {
     EXPECT_LE(far, 8) << "of 300: 51 of 18,000 were found";
 }
 
+TEST_F(MoveFault, ForATimeGoesOnAfterAnInterruption) {
+    arm();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_for(&move, 0.3F, 0, 6000, &options));
+    const std::uint32_t begun_ms = rig.now_ms;
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, go([&] {
+                  const std::uint32_t passed_ms = rig.now_ms - begun_ms;
+                  if (passed_ms > 2000 && passed_ms < 2300)
+                      hold_wheels();
+                  if (passed_ms > 1000 && passed_ms < 5000)
+                      EXPECT_EQ(0.3F, move.linear_m_s) << passed_ms;
+              }));
+}
+
 /* ------------------------------------------------------------------------------ the witnesses */
 
 TEST_F(MoveFault, WithoutPosesItIsLost) {
