@@ -51,8 +51,9 @@
  *                 a distance in its direction that is not older than a second, and bumpers that are
  *                 known.
  *   The end       Whatever the outcome, the last step calls roburoc4_client_pause(), which sends a
- *                 stop sequence. After ROBUROC4_MOVE_REACHED the robot is at rest; after the others
- *                 it may still roll: roburoc4_move_rest() waits for that.
+ *                 stop sequence; after ROBUROC4_MOVE_LAPSED it was sent already. After
+ * ROBUROC4_MOVE_REACHED the robot is at rest; after the others it may still roll:
+ * roburoc4_move_rest() waits for that.
  *
  * CONVENTIONS
  *
@@ -151,13 +152,16 @@ typedef struct roburoc4_move {
     uint8_t private_driven, private_turned, private_rested, private_quiet_cycles, private_jolted,
         private_unmeasured, private_stood_cycles;
     int8_t private_side, private_rolled;
-    uint8_t private_same_cycles, private_stuck, private_stopping;
+    uint8_t private_same_cycles, private_stopping, private_suspect;
     float private_measured; /* the last status's speed on the leg's axis */
     float private_peak,
         private_told;            /* the highest speed, measured and proposed, until it brakes */
     float private_patience_s;    /* left to wait until the robot does not swing any more */
     uint32_t private_granted_us; /* when the client's last lease began, before this move's first */
-    uint32_t private_spare[4];
+    uint32_t private_stop_us;    /* when the stop sequence began that the last step saw */
+    float private_mark;          /* where it was when it last moved, */
+    uint32_t private_stood_us;   /* and how long ago that was */
+    uint32_t private_spare[3];
 } roburoc4_move;
 
 /* Begin a move in any memory. Nothing is sent: the first step plans the move.

@@ -15,14 +15,14 @@ bool roburoc4_conditions_may_have_pad(const client *c) {
     const bool automatic =
         c->private_config.role_index[ROBUROC4_ROLE_OVERRIDE] == ROBUROC4_INDEX_AUTO;
     const uint16_t card = d->service_ids[ROBUROC4_SERVICE_IOCARD]; /* 0: none is listed */
-    if (WITH_TEXTS && automatic && roburoc4_discovery_guessed(d, &c->private_config, card)) {
+    if (!automatic || (WITH_TEXTS && roburoc4_discovery_guessed(d, &c->private_config, card))) {
         return true;
     }
     if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
-        return !automatic || roburoc4_discovery_doubtful(d, &c->private_config);
+        return roburoc4_discovery_doubtful(d, &c->private_config);
     }
     return (d->known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0 ||
-           (automatic && !roburoc4_discovery_inputs_passed(d, c->private_values.io_counts)) ||
+           !roburoc4_discovery_inputs_passed(d, c->private_values.io_counts) ||
            index_of_role(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
 }
 

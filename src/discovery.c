@@ -132,19 +132,30 @@ bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *conf
     return false;
 }
 
+/** Whether another service has the type of element i, too. */
+static bool shares_type(const discovery *d, uint32_t i) {
+    uint32_t other = 0;
+    while (other < d->service_count && (other == i || d->types[other] != d->types[i])) {
+        other++;
+    }
+    return other < d->service_count;
+}
+
 /** Whether nothing contradicts what element i is taken for. A type may be that of another robot's
  * service, and the program may be wrong. */
 static bool certain(const discovery *d, const roburoc4_config *config, uint32_t i) {
     const uint16_t id = d->ids[i];
     const uint8_t set = kind_set(config, id), type = kind_of_type(d->types[i]);
     const uint8_t text = d->claims[i], told = set != CLAIM_NONE ? set : type;
-    if (told != CLAIM_NONE) {
-        return (type == CLAIM_NONE || type == told) &&
-               (text != ROBUROC4_SERVICE_IOCARD || told == ROBUROC4_SERVICE_IOCARD);
+    if (told == CLAIM_NONE) {
+        return text < ROBUROC4_SERVICE_COUNT || text == CLAIM_OTHER ||
+               (id < ROBUROC4_SERVICE_COUNT && d->service_ids[id] == id &&
+                (d->fitting & service_bit(id)) != 0);
     }
-    return text < ROBUROC4_SERVICE_COUNT || text == CLAIM_OTHER ||
-           (id < ROBUROC4_SERVICE_COUNT && d->service_ids[id] == id &&
-            (d->fitting & service_bit(id)) != 0);
+    const bool says_card = text == ROBUROC4_SERVICE_IOCARD;
+    return (type == CLAIM_NONE || type == told) &&
+           (text >= ROBUROC4_SERVICE_COUNT || says_card == (told == ROBUROC4_SERVICE_IOCARD)) &&
+           (set != CLAIM_NONE || text == told || text == CLAIM_OTHER || !shares_type(d, i));
 }
 
 bool roburoc4_discovery_guessed(const discovery *d, const roburoc4_config *config, uint16_t only) {

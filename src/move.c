@@ -19,13 +19,16 @@ enum { ROLLED = 1, INTERRUPTED };
 #define SHOWN_CYCLES 40
 /* A robot that stands for so long, and was told nothing, is at rest, whatever was learned. */
 #define STOOD_CYCLES 150
+/* One that covers less in so long is held, or has no motor power. */
+#define STUCK_M 0.002F
+#define STUCK_US 4500000U
 /* Nothing shorter has ever been a view. */
 #define VIEW_SIZE_1_0 120
 #define TWO_TURNS 12.57F
 #define NO_TIMEOUT UINT32_MAX
 
 /* Callers declare moves: their size is part of the ABI. */
-typedef char assert_move_never_grows[sizeof(roburoc4_move) == 480 ? 1 : -1];
+typedef char assert_move_never_grows[sizeof(roburoc4_move) == 488 ? 1 : -1];
 
 enum { AHEAD = 1, ASTERN = 2 };
 
@@ -212,7 +215,8 @@ static void forget_way(roburoc4_move *m) {
         m->private_covered[axis] = m->private_by_speeds[axis] = 0;
         m->private_commanded[axis] = m->private_lagging[axis] = 0;
     }
-    m->private_aside_m = 0;
+    m->private_aside_m = m->private_mark = 0;
+    m->private_stood_us = 0;
 }
 
 /** Begin a leg of this length, counted from here; the robot is at rest. */
@@ -492,8 +496,11 @@ static uint8_t direction(const roburoc4_move *m) {
 static int32_t blocked(roburoc4_move *m, const roburoc4_move_view *v) {
     const float clearance_m = m->private_options.clearance_m;
     const float speed = magnitude(m->private_speed[LENGTH]);
-    const float needed_m =
-        clearance_m + roburoc4_move_axis_rolls(m) + speed * seconds_of(v->distance_age_us);
+    const float brakes_m = order_of(v->max_linear_m_s2) > 0 /* as hard as the robot may */
+                               ? 0.5F * speed * speed / v->max_linear_m_s2
+                               : 0;
+    const float needed_m = clearance_m + roburoc4_move_axis_rolls(m) + brakes_m +
+                           speed * seconds_of(v->distance_age_us);
     const uint8_t pressed[] = {v->front_bumper, v->rear_bumper};
     const uint8_t bumper_known[] = {v->front_bumper_known, v->rear_bumper_known};
     const uint8_t known[] = {v->front_known, v->rear_known};
@@ -586,22 +593,25 @@ static bool rests(const roburoc4_move *m) {
     return m->private_still >= STILL_STATUSES && m->private_quiet_cycles >= SHOWN_CYCLES;
 }
 
-/** A robot that stands although it was told to go is learned anew; if that does not help either,
- * nothing will. */
-static bool stuck(roburoc4_move *m) {
-    if (roburoc4_move_rolls(m)) {
-        m->private_stuck = 0;
+/** Whether the robot has stood for so long that nobody nearby expects it to go on. One that stands
+ * and was told nothing is learned anew before. */
+static bool stuck(roburoc4_move *m, uint32_t passed_us) {
+    const float covered = m->private_covered[roburoc4_move_axis(m)];
+    if (beyond(covered - m->private_mark, STUCK_M)) {
+        m->private_mark = covered;
+        m->private_stood_us = 0;
     }
-    if (m->private_quiet_cycles < STOOD_CYCLES || m->private_stood_cycles < STOOD_CYCLES) {
-        return false;
+    m->private_stood_us += passed_us;
+    if (m->private_quiet_cycles >= STOOD_CYCLES && m->private_stood_cycles >= STOOD_CYCLES) {
+        m->private_stood_cycles = 0;
+        roburoc4_move_axis_again(m);
     }
-    m->private_stood_cycles = 0;
-    roburoc4_move_axis_again(m);
-    return ++m->private_stuck > 1;
+    return m->private_stood_us > STUCK_US;
 }
 
 /** Reasons to end the move, whether it has arrived or not. */
-static int32_t reason_to_end(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
+static int32_t reason_to_end(roburoc4_move *m, const roburoc4_move_view *v, uint32_t passed_us,
+                             uint64_t now_us) {
     int32_t outcome = ROBUROC4_MOVE_RUNNING;
     if (v->overridden && (v->armed || m->private_kind == REST)) {
         outcome = ROBUROC4_MOVE_OVERRIDE;
@@ -614,13 +624,15 @@ static int32_t reason_to_end(roburoc4_move *m, const roburoc4_move_view *v, uint
         outcome = outcome_of(m->cause);
     } else if (m->private_ready) {
         outcome = blocked(m, v);
-        if (outcome == ROBUROC4_MOVE_RUNNING && m->private_kind < FOR && stuck(m)) {
+        if (outcome == ROBUROC4_MOVE_RUNNING && m->private_kind < FOR && stuck(m, passed_us)) {
             outcome = ROBUROC4_MOVE_INHIBITED;
         } else if (outcome == ROBUROC4_MOVE_RUNNING && strays(m)) {
             outcome = ROBUROC4_MOVE_OFF_COURSE;
         } else if (outcome == ROBUROC4_MOVE_RUNNING && witnesses_disagree(m)) {
             const bool silent = m->private_posed && now_us - m->private_pose_us > SILENCE_US / 3;
-            outcome = silent ? ROBUROC4_MOVE_LOST : ROBUROC4_MOVE_ODOMETRY;
+            outcome = silent                                       ? ROBUROC4_MOVE_LOST
+                      : m->private_stood_cycles > STOOD_CYCLES / 3 ? ROBUROC4_MOVE_INHIBITED
+                                                                   : ROBUROC4_MOVE_ODOMETRY;
         }
     }
     return outcome != ROBUROC4_MOVE_RUNNING ? outcome
@@ -671,6 +683,9 @@ static float share_for(roburoc4_move *m, float passed_s, uint64_t now_us) {
 /** Ramp down a robot that moved when the move began, so that its first leg begins at rest; or whose
  * wheels something stopped or let go, so that what it does then says nothing about it. */
 static bool rolls(roburoc4_move *m, uint64_t now_us) {
+    if (m->private_rolls == ROLLED && !halted(m)) {
+        m->private_begun_us = now_us; /* it may take as long as it takes */
+    }
     if (m->private_rolls && halted(m) && rests(m)) {
         if (m->private_rolls == INTERRUPTED) {
             for (uint32_t axis = 0; axis < BOTH; axis++) { /* nobody followed the rest */
@@ -782,6 +797,7 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
 void roburoc4_move_hold(roburoc4_move *m) {
     m->linear_m_s = m->angular_rad_s = m->private_share = 0;
     m->private_first_us = 0;
+    m->private_stood_us = 0;
 }
 
 int32_t roburoc4_move_end(roburoc4_move *m, int32_t outcome) {
@@ -801,7 +817,7 @@ int32_t roburoc4_move_advance(roburoc4_move *m, const roburoc4_move_view *v, uin
     }
     m->private_step_us = now_us;
     if (outcome == ROBUROC4_MOVE_RUNNING) {
-        outcome = reason_to_end(m, v, now_us);
+        outcome = reason_to_end(m, v, passed_us, now_us);
     }
     if (m->private_kind != FOR) {
         m->remaining_m = roburoc4_move_left(m, LENGTH);

@@ -51,6 +51,8 @@ enum { STEADY, JOLTED = 4, SLOWER, FASTER };
 /* Time constant of the approach to the goal, and how it grows with the doubt. */
 #define APPROACH_S 0.068F
 #define APPROACH_S_PER_M 4.8F
+/* So late the manual's robot follows. */
+#define FOLLOWS_S 0.6F
 /* A pose that is repeated for longer is that of a robot that stands. */
 #define POSE_AGE_S 0.3F
 /* How single speeds are smoothed. */
@@ -62,6 +64,9 @@ enum { STEADY, JOLTED = 4, SLOWER, FASTER };
 #define REFRESH_CYCLES 20.0F
 #define FALL 0.06F
 #define FALL_SHARE 0.1F
+/* What falls by this share of that has perhaps learned something wrong. */
+#define SUSPECT 0.4F
+#define SUSPECTED 2U
 #define STANDS 0.05F
 /* Nothing is commanded for a rest below `hold`. */
 #define HOLD 0.0012F
@@ -142,11 +147,11 @@ void roburoc4_move_axis_again(roburoc4_move *m) {
         SETTLE_TIMES * roburoc4_move_axis_seconds(m, axis, roburoc4_move_left(m, axis)) +
         SETTLE_MARGIN_S;
     m->private_side = 0;
-    m->private_turned = 0;
+    m->private_turned = m->private_suspect = 0;
 }
 
 void roburoc4_move_axis_begin(roburoc4_move *m) {
-    m->private_rested = m->private_jolted = m->private_stuck = 0;
+    m->private_rested = m->private_jolted = 0;
     m->private_rolled = 0;
     roburoc4_move_axis_again(m);
 }
@@ -207,7 +212,12 @@ static bool falls(roburoc4_move *m, uint32_t axis) {
     m->private_told = brakes ? m->private_told : told;
     m->private_peak = order_of(speed) < order_of(m->private_peak) ? m->private_peak : speed;
     const float fallen = m->private_peak - speed;
-    return (!brakes && beyond(fallen, FALL * unit[axis] + FALL_SHARE * m->private_peak)) ||
+    const float most = FALL * unit[axis] + FALL_SHARE * m->private_peak;
+    if (m->private_suspect < SUSPECTED) { /* one status may be noise */
+        const bool lower = !brakes && beyond(fallen, SUSPECT * most);
+        m->private_suspect = lower ? (uint8_t)(m->private_suspect + 1) : 0;
+    }
+    return (!brakes && beyond(fallen, most)) ||
            (order_of(m->private_peak) > order_of(2 * stands) && !beyond(speed, stands));
 }
 
@@ -311,14 +321,18 @@ static float profile(float distance, float slope, float time_s) {
     return slope * (roburoc4_move_root(time_s * time_s + 2 * distance / slope) - time_s);
 }
 
-/** Whatever was learned: towards the goal, no faster than it can stop there from where it is; and
- * away from the goal only to brake. */
+/** Whatever was learned: towards the goal, no faster than it can stop there from where it is (the
+ * manual's robot, if what was learned is suspect); and away from the goal only to brake. */
 static float bounded_by_goal(const roburoc4_move *m, float speed) {
     const uint32_t axis = roburoc4_move_axis(m);
     const float left = roburoc4_move_left(m, axis);
     const float towards = with_sign(1, left);
     if (order_of(speed * towards) > 0) {
-        return within(speed, profile(magnitude(left), m->private_slope[axis], APPROACH_S));
+        const float rolls =
+            m->private_suspect == SUSPECTED ? FOLLOWS_S * magnitude(m->private_fit.speed) : 0;
+        const float room =
+            order_of(magnitude(left)) > order_of(rolls) ? magnitude(left) - rolls : 0;
+        return within(speed, profile(room, m->private_slope[axis], APPROACH_S));
     }
     return order_of(m->private_fit.speed * towards) > order_of(SLOW * unit[axis]) ? speed : 0;
 }

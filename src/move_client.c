@@ -119,17 +119,23 @@ static bool too_fast(roburoc4_move *m, const roburoc4_client *client) {
     return false;
 }
 
-/** Whether its lease ended without it, perhaps before it drove on. */
+/** Whether its lease ended without it, perhaps before it drove on: then another stop sequence
+ * began. */
 static bool ended_elsewhere(roburoc4_move *m, const roburoc4_client *client,
                             const roburoc4_facts *facts) {
+    enum { MOVES, WILL_STOP, STOPS };
+    const roburoc4_private_drive *d = &client->private_drive;
+    const uint8_t stopping = !facts->stopping ? MOVES : d->zeros_sent == 0 ? WILL_STOP : STOPS;
     if (!m->private_begun) {
-        m->private_granted_us = client->private_drive.granted_us;
-        m->private_stopping = 1;
+        m->private_granted_us = d->granted_us;
+        m->private_stopping = WILL_STOP;
     }
-    m->private_driven |=
-        facts->driving || client->private_drive.granted_us != m->private_granted_us;
-    const bool stopped = facts->stopping && !m->private_stopping;
-    m->private_stopping = facts->stopping;
+    m->private_driven |= facts->driving || d->granted_us != m->private_granted_us;
+    const bool another = m->private_stopping == STOPS && d->stop_us != m->private_stop_us;
+    const bool stopped = (stopping != MOVES && (m->private_stopping == MOVES || another)) ||
+                         (stopping == WILL_STOP && m->private_stopping == STOPS);
+    m->private_stopping = stopping;
+    m->private_stop_us = d->stop_us;
     return m->private_kind != REST && m->private_driven && facts->armed &&
            (stopped || !facts->driving);
 }

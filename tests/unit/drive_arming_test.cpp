@@ -694,6 +694,51 @@ TEST(UnknownOverride, IsNotAllowedIfTheCardThatWasSetIsNone) {
     }
 }
 
+TEST(UnknownOverride, IsNotAllowedForAnInputThatWasSetAndDoesNotExist) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
+    ScriptedRobot robot; /* telemeters are taken for the card */
+    robot.service(ROBUROC4_SERVICE_IOCARD).id = ROBUROC4_SERVICE_TELEMETER;
+    robot.service(ROBUROC4_SERVICE_TELEMETER).id = ROBUROC4_SERVICE_IOCARD;
+    for (const std::uint16_t kind :
+         std::initializer_list<std::uint16_t>{ROBUROC4_SERVICE_IOCARD, ROBUROC4_SERVICE_TELEMETER})
+        robot.service(kind).type = static_cast<std::uint16_t>(0x7100 + kind);
+    robot.texts_refused = true;
+    Bench bench(robot, config);
+    bench.ready();
+    bench.run(20 * second);
+    EXPECT_NE(ROBUROC4_OK, bench.arm());
+}
+
+TEST(UnknownOverride, IsNotAllowedWhereAnotherServiceIsTakenForTheCard) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    for (const bool by_type : {true, false}) {
+        config.iocard_id = by_type ? ROBUROC4_ID_AUTO : ROBUROC4_SERVICE_TELEMETER;
+        ScriptedRobot robot;
+        if (by_type)
+            robot.service(ROBUROC4_SERVICE_IOCARD).type = 0x7100;
+        robot.service(ROBUROC4_SERVICE_TELEMETER).type = by_type ? ROBUROC4_TYPE_IOCARD : 0x7101;
+        Bench bench(robot, config);
+        bench.ready();
+        bench.run(20 * second);
+        EXPECT_NE(ROBUROC4_OK, bench.arm()) << by_type;
+    }
+}
+
+TEST(UnknownOverride, IsNotAllowedWhereTwoServicesHaveOneType) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_IOCARD).type = ROBUROC4_TYPE_DIFFERENTIAL;
+    robot.texts_refused = true;
+    Bench bench(robot, config);
+    bench.ready();
+    bench.run(20 * second);
+    EXPECT_NE(ROBUROC4_OK, bench.arm());
+}
+
 TEST(UnknownOverride, IsNotAllowedBeforeTextsWereRequested) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;

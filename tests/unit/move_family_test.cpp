@@ -217,6 +217,24 @@ TEST_F(MoveFault, APauseBeforeItsDriveEndsIt) {
     }
 }
 
+TEST_F(MoveFault, APauseEndsOneThatBeginsWhileTheLastIsStopped) {
+    arm();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0.3F, 0, &options));
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, family_go(&rig, &move, 60000, nullptr, nullptr));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, &options));
+    for (int i = 0; i < 6; i++) {
+        ASSERT_EQ(ROBUROC4_MOVE_RUNNING,
+                  roburoc4_move_step(&move, &rig.client, family_now_us(&rig)))
+            << i;
+        if (i == 5)
+            ASSERT_EQ(ROBUROC4_OK, roburoc4_client_pause(&rig.client, family_now_us(&rig)));
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_client_drive(&rig.client, move.linear_m_s, 0, 0, family_now_us(&rig)));
+        family_pass(&rig, 20);
+    }
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, roburoc4_move_step(&move, &rig.client, family_now_us(&rig)));
+}
+
 /** While the zeros of the last one are sent, nothing else is. */
 TEST_F(MoveFault, BeginsGentlyRightAfterAnother) {
     arm();
@@ -281,6 +299,21 @@ TEST_F(MoveFault, ARobotThatStaysWhereItIsIsInhibited) {
     const std::uint32_t begun_ms = rig.now_ms;
     EXPECT_EQ(ROBUROC4_MOVE_INHIBITED, go([&] { hold_wheels(); }));
     EXPECT_LT(rig.now_ms - begun_ms, 8000U + 4000U);
+}
+
+/** A person nearby takes it for done. */
+TEST_F(MoveFault, ARobotThatIsHeldNearItsGoalIsInhibited) {
+    for (const float left_m : {0.3F, 0.1F, 0.04F}) {
+        arm();
+        const double from_m = rig.robot.distance_m;
+        EXPECT_EQ(ROBUROC4_MOVE_INHIBITED,
+                  by(1, 0,
+                     [&] {
+                         if (rig.robot.distance_m > from_m + 1 - static_cast<double>(left_m))
+                             hold_wheels();
+                     }))
+            << left_m;
+    }
 }
 
 /* ------------------------------------------------------------ turns that respond as they like */

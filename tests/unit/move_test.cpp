@@ -1031,6 +1031,17 @@ TEST_F(MoveView, ADistanceOlderThanASecondIsNotKnown) {
     EXPECT_EQ(ROBUROC4_MOVE_NO_FRONT_TELEMETER, step(second + cycle_us));
 }
 
+TEST_F(MoveView, ARobotThatBrakesGentlyKeepsMoreDistance) {
+    options.linear_m_s = 1;
+    view.max_linear_m_s2 = 0.8F;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 9, 0, &options));
+    do
+        view.front_m = static_cast<float>(6 - x_m);
+    while (follow() == ROBUROC4_MOVE_RUNNING);
+    EXPECT_EQ(ROBUROC4_MOVE_OBSTACLE, move.outcome);
+    EXPECT_GT(6 - x_m, 0.5 + 1 / (2 * 0.8));
+}
+
 TEST_F(MoveView, RestEndsWhenThePadDrives) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
     view.linear_m_s = 0.5F;
@@ -1196,7 +1207,7 @@ TEST_F(MoveView, ARobotMayFollowTwoSecondsLateAndNotFour) {
             roburoc4_move_step_view(&move, &view, now_us);
             moved_us += i >= rolled && move.linear_m_s > 0 ? 50000 : 0;
         }
-        EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, move.outcome);
+        EXPECT_EQ(ROBUROC4_MOVE_INHIBITED, move.outcome);
         EXPECT_GT(moved_us, 2350000U) << rolled;
         EXPECT_LT(moved_us, 4 * second) << rolled;
     }
