@@ -141,16 +141,21 @@ static bool shares_type(const discovery *d, uint32_t i) {
     return other < d->service_count;
 }
 
+/** Whether something else than its type says which service element i is. */
+static bool described(const discovery *d, uint32_t i) {
+    const uint16_t id = d->ids[i];
+    return d->claims[i] < ROBUROC4_SERVICE_COUNT || d->claims[i] == CLAIM_OTHER ||
+           (id < ROBUROC4_SERVICE_COUNT && d->service_ids[id] == id &&
+            (d->fitting & service_bit(id)) != 0);
+}
+
 /** Whether nothing contradicts what element i is taken for. A type may be that of another robot's
  * service, and the program may be wrong. */
 static bool certain(const discovery *d, const roburoc4_config *config, uint32_t i) {
-    const uint16_t id = d->ids[i];
-    const uint8_t set = kind_set(config, id), type = kind_of_type(d->types[i]);
+    const uint8_t set = kind_set(config, d->ids[i]), type = kind_of_type(d->types[i]);
     const uint8_t text = d->claims[i], told = set != CLAIM_NONE ? set : type;
     if (told == CLAIM_NONE) {
-        return text < ROBUROC4_SERVICE_COUNT || text == CLAIM_OTHER ||
-               (id < ROBUROC4_SERVICE_COUNT && d->service_ids[id] == id &&
-                (d->fitting & service_bit(id)) != 0);
+        return described(d, i);
     }
     const bool says_card = text == ROBUROC4_SERVICE_IOCARD;
     return (type == CLAIM_NONE || type == told) &&
