@@ -33,6 +33,7 @@ SHOWN = {
 
 # Row -> why an aim that was missed more than once is not pursued.
 REASONS = {
+    "receive a differential status": "a lapse is noticed before what it shows",
     "receive an IO card's status": "it decides about driving, and 20 a second are nothing",
     "receive a battery status": "each status proves ages and shows restarts",
     "firmware that drives, linked": "it copes with robots that nobody has seen",
