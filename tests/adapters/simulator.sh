@@ -44,7 +44,7 @@ starved() {
 tries=$((${tries:-0} + 1))
 export tries
 again() {
-    [ "$tries" -lt 6 ]
+    [ "$tries" -lt 10 ]
     echo "begins again: this machine stalled for $(sort -n stalls_ms | tail -n 1) ms"
     cd /
     clean_up

@@ -68,9 +68,9 @@ names_it('angles are in radians, at most two turns', @() r.turn(90));
 names_it('theta: -90 is more than one turn; give radians', @() r.goTo(1, 0, -90));
 names_it('the robot has no analog outputs', @() r.setAnalogOutput(0, 1));
 names_it('the robot has no digital output 8; give 0 to 7', @() r.setOutput(8, true));
-names_it('give m/s and rad/s', @() r.drive(300, 0));
-names_it('give m/s and rad/s', @() r.driveFor(0, 45, 1));
-names_it('give m/s and rad/s', @() r.drive(-1e9, 0));
+names_it('give at most 5 m/s and 10 rad/s', @() r.drive(300, 0));
+names_it('give at most 5 m/s and 10 rad/s', @() r.driveFor(0, 45, 1));
+names_it('give at most 5 m/s and 10 rad/s', @() r.drive(-1e9, 0));
 
 % A misspelt option is named, and what is allowed.
 names_it('did you mean ''timeout''?', @() roburoc4.Robot('127.0.0.1', 'Timout', 5));
