@@ -149,29 +149,47 @@ static bool described(const discovery *d, uint32_t i) {
             (d->fitting & service_bit(id)) != 0);
 }
 
-/** Whether nothing contradicts what element i is taken for. A type may be that of another robot's
- * service, and the program may be wrong. */
-static bool certain(const discovery *d, const roburoc4_config *config, uint32_t i) {
-    const uint8_t set = kind_set(config, d->ids[i]), type = kind_of_type(d->types[i]);
-    const uint8_t text = d->claims[i], told = set != CLAIM_NONE ? set : type;
-    if (told == CLAIM_NONE) {
-        return described(d, i);
-    }
-    const bool says_card = text == ROBUROC4_SERVICE_IOCARD;
-    return (type == CLAIM_NONE || type == told) &&
-           (text >= ROBUROC4_SERVICE_COUNT || says_card == (told == ROBUROC4_SERVICE_IOCARD)) &&
-           (set != CLAIM_NONE || text == told || text == CLAIM_OTHER || !shares_type(d, i));
+/** What the program's setting, else the type, says that element i is. */
+static uint8_t kind_told(const discovery *d, const roburoc4_config *config, uint32_t i) {
+    const uint8_t set = kind_set(config, d->ids[i]);
+    return set != CLAIM_NONE ? set : kind_of_type(d->types[i]);
 }
 
-bool roburoc4_discovery_guessed(const discovery *d, const roburoc4_config *config, uint16_t only) {
+/** Whether type, text and setting agree on element i, as far as they say something. A type may be
+ * that of another robot's service, and the program may be wrong. */
+static bool agreed(const discovery *d, const roburoc4_config *config, uint32_t i) {
+    const uint8_t type = kind_of_type(d->types[i]), text = d->claims[i];
+    const uint8_t told = kind_told(d, config, i);
+    return (type == CLAIM_NONE || type == told) &&
+           (text >= ROBUROC4_SERVICE_COUNT ||
+            (text == ROBUROC4_SERVICE_IOCARD) == (told == ROBUROC4_SERVICE_IOCARD));
+}
+
+/** Whether type or text say that element i is the card. */
+static bool says_card(const discovery *d, uint32_t i) {
+    return d->types[i] == ROBUROC4_TYPE_IOCARD || d->claims[i] == ROBUROC4_SERVICE_IOCARD;
+}
+
+/** Whether it is certain which service element i is: also by a text that could still say
+ * otherwise. */
+static bool certain(const discovery *d, const roburoc4_config *config, uint32_t i) {
+    const uint64_t read = d->described[LIST_DIRECTORY] | d->given_up[LIST_DIRECTORY];
+    const uint8_t text = d->claims[i];
+    return agreed(d, config, i) && (d->texts_done || (read >> i & 1) != 0) &&
+           (kind_set(config, d->ids[i]) != CLAIM_NONE || text < ROBUROC4_SERVICE_COUNT ||
+            text == CLAIM_OTHER || !shares_type(d, i));
+}
+
+bool roburoc4_discovery_guessed(const discovery *d, const roburoc4_config *config, uint16_t card) {
     for (uint32_t i = 0; i < d->service_count; i++) {
-        const uint16_t id = d->ids[i];
-        if ((only == 0 || id == only) && id > ROBUROC4_SERVICE_NOTIFICATION &&
-            !certain(d, config, i)) {
+        const bool told = kind_told(d, config, i) != CLAIM_NONE, is_card = d->ids[i] == card;
+        if (d->ids[i] > ROBUROC4_SERVICE_NOTIFICATION &&
+            ((told ? !certain(d, config, i) : (is_card || card == 0) && !described(d, i)) ||
+             (says_card(d, i) && !is_card))) {
             return true;
         }
     }
-    return only == 0 && config->iocard_id >= 0; /* it is not in the directory */
+    return card == 0 && config->iocard_id >= 0; /* it is not in the directory */
 }
 
 /** How well element i matches a service: 4 by the program's setting, 3 by type, 2 by text, 1 by the

@@ -329,9 +329,10 @@ bool roburoc4_discovery_may_drive(const discovery *d, const roburoc4_config *con
 /** Whether the directory has a service that neither settings, type nor text identify for certain.
  */
 bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *config);
-/** Whether nothing says what a service is, or the manual's id alone, which its properties do not
- * fit: the service with the id `only`, or any for 0. */
-bool roburoc4_discovery_guessed(const discovery *d, const roburoc4_config *config, uint16_t only);
+/** Whether settings, types and texts contradict each other, or may still do; or nothing says what
+ * the card (any service, if its id is 0) is but the manual's id, which its properties do not fit.
+ */
+bool roburoc4_discovery_guessed(const discovery *d, const roburoc4_config *config, uint16_t card);
 /** Assign ids to services; true if a known service has another id now. */
 bool roburoc4_discovery_identify(discovery *d, const roburoc4_config *config);
 /** A text arrived for an element of the directory, or (io_type 0 to 3) for a channel. True if an

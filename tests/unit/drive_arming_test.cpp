@@ -715,15 +715,22 @@ TEST(UnknownOverride, IsNotAllowedWhereAnotherServiceIsTakenForTheCard) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
     for (const bool by_type : {true, false}) {
-        config.iocard_id = by_type ? ROBUROC4_ID_AUTO : ROBUROC4_SERVICE_TELEMETER;
-        ScriptedRobot robot;
-        if (by_type)
-            robot.service(ROBUROC4_SERVICE_IOCARD).type = 0x7100;
-        robot.service(ROBUROC4_SERVICE_TELEMETER).type = by_type ? ROBUROC4_TYPE_IOCARD : 0x7101;
-        Bench bench(robot, config);
-        bench.ready();
-        bench.run(20 * second);
-        EXPECT_NE(ROBUROC4_OK, bench.arm()) << by_type;
+        for (const bool mute : {false, true}) { /* its own text does not say so */
+            SCOPED_TRACE(by_type);
+            config.iocard_id = by_type ? ROBUROC4_ID_AUTO : ROBUROC4_SERVICE_TELEMETER;
+            ScriptedRobot robot;
+            ScriptedService &telemeters = robot.service(ROBUROC4_SERVICE_TELEMETER);
+            if (by_type)
+                robot.service(ROBUROC4_SERVICE_IOCARD).type = ROBUROC4_TYPE_DIFFERENTIAL;
+            telemeters.type = by_type ? ROBUROC4_TYPE_IOCARD : 0x7101;
+            telemeters.text = mute ? "" : telemeters.text;
+            Bench bench(robot, config);
+            bench.ready();
+            for (int i = 0; i < 200; i++) { /* nor before the texts are read */
+                bench.run(100 * ms);
+                EXPECT_NE(ROBUROC4_OK, bench.arm()) << mute << " " << i;
+            }
+        }
     }
 }
 
