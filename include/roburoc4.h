@@ -179,9 +179,9 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_OPTION_TURN_KEEPING 0x01
 /* for a robot without game pad inputs. Types, texts and the program's settings must not contradict
  * each other about any service, nor two services have one type without texts. An IO card that is
- * listed must still report its counts, and an [A] index that is set must exist; if no card is
- * listed, every service must be identified by type, by text, or by properties that fit the manual's
- * id, and iocard_id must not be set */
+ * listed must still report its counts; if none is listed, every service must be identified by type,
+ * by text, or by properties that fit the manual's id, and neither iocard_id nor the index of [A] be
+ * set */
 #define ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE 0x02
 /* stay armed when another client commands; also for a robot that reports ramped targets */
 #define ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER 0x04

@@ -523,6 +523,11 @@ bool roburoc4_discovery_texts_passed(const discovery *d, const int32_t *io_count
     return true;
 }
 
+bool roburoc4_discovery_directory_passed(const discovery *d) {
+    const uint64_t passed = d->described[LIST_DIRECTORY] | d->given_up[LIST_DIRECTORY];
+    return d->texts_done || (~passed & lowest_bits(d->service_count)) == 0;
+}
+
 bool roburoc4_discovery_inputs_passed(const discovery *d, const int32_t *io_counts) {
     const uint32_t list = ROBUROC4_IO_DIGITAL_INPUT;
     return d->texts_done || complete(d, io_counts, list, d->described[list] | d->given_up[list]);

@@ -373,6 +373,8 @@ bool roburoc4_discovery_next_text(const discovery *d, const requests *r, const i
 bool roburoc4_discovery_texts_passed(const discovery *d, const int32_t *io_counts);
 /** Whether all texts were answered or given up that are needed to identify services. */
 bool roburoc4_discovery_services_passed(const discovery *d);
+/** Whether every text of the directory was answered, refused or given up. */
+bool roburoc4_discovery_directory_passed(const discovery *d);
 /** Whether all texts of digital inputs were answered or given up. */
 bool roburoc4_discovery_inputs_passed(const discovery *d, const int32_t *io_counts);
 /** Once all texts were answered or given up: allow one more request for a missing one. */

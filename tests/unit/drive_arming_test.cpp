@@ -694,7 +694,7 @@ TEST(UnknownOverride, IsNotAllowedIfTheCardThatWasSetIsNone) {
     }
 }
 
-TEST(UnknownOverride, IsNotAllowedForAnInputThatWasSetAndDoesNotExist) {
+TEST(UnknownOverride, IsNotAllowedForAnInputOfACardThatIsGuessed) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
     config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
