@@ -355,11 +355,15 @@ class Conformance(unittest.TestCase):
         seeded: list[tuple[str, Callable[..., None]]],
         judge: Callable[[Callable[..., None]], Report],
     ) -> None:
-        with ThreadPoolExecutor(8) as pool:
-            reports = pool.map(judge, [subject for _, subject in seeded])
-        for (name, _), report in zip(seeded, reports, strict=True):
-            with self.subTest(name):
-                assert [name] == list(report.faults), report.faults
+        # They are judged in real time: again, where this machine stalled meanwhile.
+        for _ in range(3):
+            with watch_stalls() as stalls_ms, ThreadPoolExecutor(8) as pool:
+                reports = list(pool.map(judge, [subject for _, subject in seeded]))
+            found = {name: report.faults for (name, _), report in zip(seeded, reports, strict=True)}
+            wrong = {name: faults for name, faults in found.items() if [name] != list(faults)}
+            if not wrong or not stalls_ms:
+                break
+        assert not wrong, (wrong, stalls_ms)
 
     def test_telegrams_have_the_bytes_of_their_values(self) -> None:
         for name, entry in ENTRIES.items():
