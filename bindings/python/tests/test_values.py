@@ -167,7 +167,7 @@ def test_relocalize_waits_until_the_robot_has_accepted_it(roburoc4_simulator: Si
         robot.relocalize(1.0, 2.0, 0.5)  # no pose will come to confirm it
         with pytest.raises(roburoc4.ArgumentError):
             robot.relocalize(math.inf, 0, 0)
-        with pytest.raises(roburoc4.ArgumentError, match="angles in radians"):
+        with pytest.raises(roburoc4.ArgumentError, match=r"90 .*radians \(not degrees\)"):
             robot.relocalize(0, 0, 90)
 
 

@@ -21,7 +21,16 @@ from typing import Any, Literal, Self, TypeVar, Unpack, overload
 from . import _native
 from .connection import ALL_EVENTS, Connection, EventReader
 from .constants import DEFAULT_HOST, Event, Service
-from .errors import ClosedError, duration_s, finite, function, is_async, switch, timeout_s
+from .errors import (
+    ClosedError,
+    check_heading,
+    duration_s,
+    finite,
+    function,
+    is_async,
+    switch,
+    timeout_s,
+)
 from .moves import Move, MoveResult, Progress
 from .moving import Moving
 from .pump import PumpConnection
@@ -238,6 +247,7 @@ class Robot(RobotBase, Moving[Coroutine[Any, Any, MoveResult]]):
     async def relocalize(self, x_m: float, y_m: float, theta_rad: float) -> None:
         """Set the robot's pose; wait for its answer and for a pose that follows it."""
         finite(x_m=x_m, y_m=y_m, theta_rad=theta_rad)
+        check_heading(theta_rad)
         _native.roburoc4_client_relocalize(self._connection.handle, x_m, y_m, theta_rad)
         await self._wait_until(self._is_relocalized, RELOCALIZE_S, self.relocalize)
         if self.service_link(Service.LOCALIZATION).subscribed:

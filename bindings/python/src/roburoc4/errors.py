@@ -114,6 +114,13 @@ def finite(**values: float) -> None:
             raise unusable(name, value, usable, Result.NOT_FINITE)
 
 
+def check_heading(theta_rad: float) -> None:
+    """Refuse what looks like degrees."""
+    if not is_within(-MAX_HEADING_RAD, theta_rad, MAX_HEADING_RAD):
+        usable = "radians (not degrees), within two turns"
+        raise unusable("theta_rad", theta_rad, usable, Result.UNITS)
+
+
 def check_speeds(linear_m_s: float, angular_rad_s: float) -> None:
     """Reject speeds that are not finite, or beyond any RobuROC4: mistakes of units."""
     finite(linear_m_s=linear_m_s, angular_rad_s=angular_rad_s)
@@ -162,6 +169,7 @@ def switch(name: str, value: object, code: int = Result.ARGUMENT) -> bool:
 
 _FLOAT_MAX = 3.4e38
 MAX_M_S = _native.ROBUROC4_MAX_DRIVE_M_S
+MAX_HEADING_RAD = 12.57
 MAX_RAD_S = _native.ROBUROC4_MAX_DRIVE_RAD_S
 _LONGEST_S = 1e9
 _CLASSES: dict[int, type[RobotError]] = {

@@ -16,6 +16,7 @@ from .errors import (
     ClosedError,
     NotKnownError,
     RobotError,
+    check_heading,
     check_speeds,
     error_of,
     finite,
@@ -168,13 +169,8 @@ class Move:
         if theta_rad is None:
             _native.roburoc4_move_to_point(self._move, x_m, y_m, self._options)
         else:
-            try:
-                _native.roburoc4_move_to_pose(self._move, x_m, y_m, theta_rad, self._options)
-            except ArgumentError as error:
-                if error.code is Result.UNITS:
-                    usable = "radians (not degrees), within two turns"
-                    raise unusable("theta_rad", theta_rad, usable, error.code) from None
-                raise
+            check_heading(theta_rad)
+            _native.roburoc4_move_to_pose(self._move, x_m, y_m, theta_rad, self._options)
         return self
 
     def for_(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> "Move":

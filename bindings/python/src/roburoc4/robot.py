@@ -14,6 +14,7 @@ from .errors import (
     NotArmedError,
     NotKnownError,
     RobotTimeoutError,
+    check_heading,
     duration_s,
     finite,
     function,
@@ -228,6 +229,7 @@ class Robot(RobotBase, Moving[MoveResult]):
         Raises RefusedError, or RobotTimeoutError if either is missing after 3 s.
         """
         finite(x_m=x_m, y_m=y_m, theta_rad=theta_rad)
+        check_heading(theta_rad)
         _native.roburoc4_client_relocalize(self._connection.handle, x_m, y_m, theta_rad)
         self._wait_until(self._is_relocalized, RELOCALIZE_S, self.relocalize)
         if self.service_link(Service.LOCALIZATION).subscribed:
