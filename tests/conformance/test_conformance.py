@@ -349,21 +349,29 @@ def judge_simulator() -> list[Any]:
             process.terminate()
 
 
+def expect_none(judge: Callable[[], Any]) -> None:
+    """Faults of what is judged in real time: again, where this machine stalled meanwhile."""
+    for _ in range(3):
+        with watch_stalls() as stalls_ms:
+            faults = judge()
+        if not faults or not stalls_ms:
+            break
+    assert not faults, (faults, stalls_ms)
+
+
 class Conformance(unittest.TestCase):
     def expect(
         self,
         seeded: list[tuple[str, Callable[..., None]]],
         judge: Callable[[Callable[..., None]], Report],
     ) -> None:
-        # They are judged in real time: again, where this machine stalled meanwhile.
-        for _ in range(3):
-            with watch_stalls() as stalls_ms, ThreadPoolExecutor(8) as pool:
+        def wrong() -> dict[str, Any]:
+            with ThreadPoolExecutor(8) as pool:
                 reports = list(pool.map(judge, [subject for _, subject in seeded]))
             found = {name: report.faults for (name, _), report in zip(seeded, reports, strict=True)}
-            wrong = {name: faults for name, faults in found.items() if [name] != list(faults)}
-            if not wrong or not stalls_ms:
-                break
-        assert not wrong, (wrong, stalls_ms)
+            return {name: faults for name, faults in found.items() if [name] != list(faults)}
+
+        expect_none(wrong)
 
     def test_telegrams_have_the_bytes_of_their_values(self) -> None:
         for name, entry in ENTRIES.items():
@@ -391,13 +399,7 @@ class Conformance(unittest.TestCase):
         )
 
     def test_the_simulator_conforms(self) -> None:
-        # It is judged in real time: again, where this machine stalled meanwhile.
-        for _ in range(3):
-            with watch_stalls() as stalls_ms:
-                faults = judge_simulator()
-            if not faults or not stalls_ms:
-                break
-        assert not faults, (faults, stalls_ms)
+        expect_none(judge_simulator)
 
     def test_the_library_conforms(self) -> None:
         ended: list[int] = []

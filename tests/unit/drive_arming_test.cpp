@@ -641,6 +641,13 @@ TEST(UnknownOverride, IsNotAllowedWhileAServiceIsNotKnown) {
     }
 }
 
+static void expect_never_armed(ScriptedRobot &robot, const roburoc4_config &config) {
+    Bench bench(robot, config);
+    bench.ready();
+    bench.run(20 * second);
+    EXPECT_NE(ROBUROC4_OK, bench.arm());
+}
+
 /* A card with another service's id would be taken for that one, be it listed with another id. */
 TEST(UnknownOverride, IsNotAllowedIfTheManualsIdAloneSaysWhatAServiceIs) {
     roburoc4_config config = default_config();
@@ -660,10 +667,7 @@ TEST(UnknownOverride, IsNotAllowedIfTheManualsIdAloneSaysWhatAServiceIs) {
             card.id = other;
             card.text = ""; /* says as much as a refusal */
             robot.texts_refused = refused;
-            Bench bench(robot, config);
-            bench.ready();
-            bench.run(20 * second);
-            EXPECT_NE(ROBUROC4_OK, bench.arm());
+            expect_never_armed(robot, config);
         }
     }
 }
@@ -672,25 +676,21 @@ TEST(UnknownOverride, IsNotAllowedWhereTextAndTypeContradictEachOther) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
     for (const int type : {ROBUROC4_TYPE_TELEMETER, ROBUROC4_TYPE_LASER}) {
+        SCOPED_TRACE(type);
         ScriptedRobot robot;
         robot.service(ROBUROC4_SERVICE_IOCARD).type = static_cast<std::uint16_t>(type);
-        Bench bench(robot, config);
-        bench.ready();
-        bench.run(20 * second);
-        EXPECT_NE(ROBUROC4_OK, bench.arm()) << type;
+        expect_never_armed(robot, config);
     }
 }
 
 TEST(UnknownOverride, IsNotAllowedIfTheCardThatWasSetIsNone) {
     for (const std::int32_t id : {9, 3, 6}) {
+        SCOPED_TRACE(id);
         roburoc4_config config = default_config();
         config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
         config.iocard_id = id;
         ScriptedRobot robot;
-        Bench bench(robot, config);
-        bench.ready();
-        bench.run(20 * second);
-        EXPECT_NE(ROBUROC4_OK, bench.arm()) << id;
+        expect_never_armed(robot, config);
     }
 }
 
@@ -705,10 +705,7 @@ TEST(UnknownOverride, IsNotAllowedForAnInputOfACardThatIsGuessed) {
          std::initializer_list<std::uint16_t>{ROBUROC4_SERVICE_IOCARD, ROBUROC4_SERVICE_TELEMETER})
         robot.service(kind).type = static_cast<std::uint16_t>(0x7100 + kind);
     robot.texts_refused = true;
-    Bench bench(robot, config);
-    bench.ready();
-    bench.run(20 * second);
-    EXPECT_NE(ROBUROC4_OK, bench.arm());
+    expect_never_armed(robot, config);
 }
 
 TEST(UnknownOverride, IsNotAllowedWhereAnotherServiceIsTakenForTheCard) {
@@ -740,10 +737,7 @@ TEST(UnknownOverride, IsNotAllowedWhereTwoServicesHaveOneType) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_IOCARD).type = ROBUROC4_TYPE_DIFFERENTIAL;
     robot.texts_refused = true;
-    Bench bench(robot, config);
-    bench.ready();
-    bench.run(20 * second);
-    EXPECT_NE(ROBUROC4_OK, bench.arm());
+    expect_never_armed(robot, config);
 }
 
 TEST(UnknownOverride, IsNotAllowedBeforeTextsWereRequested) {
