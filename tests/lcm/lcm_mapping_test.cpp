@@ -378,6 +378,20 @@ TEST(LcmMapping, StateHasTheBridgeAndItsRules) {
     });
 }
 
+TEST(LcmMapping, StateHasEachRuleInItsOwnField) {
+    const gate_kind kinds[] = {GATE_DRIVE, GATE_OUTPUT, GATE_RELOCALIZE};
+    for (const gate_kind only : kinds) {
+        View v;
+        gate_rules rules{};
+        rules.enabled[only] = true;
+        gate_init(&v.gate, &rules, {0, utime});
+        const roburoc4_lcm_bridge_state_t state = v.state();
+        EXPECT_EQ(only == GATE_DRIVE, state.drive_enabled);
+        EXPECT_EQ(only == GATE_OUTPUT, state.outputs_enabled);
+        EXPECT_EQ(only == GATE_RELOCALIZE, state.relocalize_enabled);
+    }
+}
+
 TEST(LcmMapping, StateNamesWhoStoppedTheRobot) {
     View v;
     gate_stop(&v.gate, "operator", 8, v.view.now.us);

@@ -137,6 +137,21 @@ TEST(Age, GrowsWithTheDriftThatAFastRobotClockMayHide) {
     }
 }
 
+TEST(Age, GrowsWithTheDriftWhileNothingIsAnswered) {
+    QueueingRobot robot;
+    robot.ppm = 400;
+    Bench bench(robot);
+    bench.ready();
+    bench.run(10 * second);
+    robot.answer_us = [](const Bytes &) { return 10000 * second; };
+    for (int step = 0; step < 40; step++) {
+        bench.run(10 * second); /* in which its clock gains 4 ms */
+        robot.queue_us += 4 * ms;
+        bench.run(100 * ms);
+        EXPECT_GE(age_us(bench) + 20 * ms, robot.queue_us) << step;
+    }
+}
+
 TEST(Age, IsLearntAgainWhereClocksDrift) {
     for (const std::int64_t ppm : {-400, 400}) {
         QueueingRobot robot;

@@ -300,6 +300,21 @@ TEST(ArmRefused, WhileItMovesUnasked) {
     }
 }
 
+TEST(ArmRefused, WhileItsOwnLastTargetIsStillShown) {
+    for (int axis = 0; axis < 2; axis++) {
+        SCOPED_TRACE(axis);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        robot.follows = false; /* the wheels are held */
+        (axis == 0 ? robot.target_linear : robot.target_angular) = 0.5F;
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(robot.target_linear, robot.target_angular));
+        bench.run(100 * ms);
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_stop(&bench.client, bench.client_us()));
+        EXPECT_EQ(ROBUROC4_ERR_MOVING, bench.arm());
+    }
+}
+
 TEST(ArmRefused, FromATenthOfAMetreOrTwoTenthsOfARadianPerSecondOn) {
     struct Speed {
         float linear, angular;

@@ -72,7 +72,10 @@ TEST(FullList, ARefusedSubscriptionThatDrivingNeedsIsTheReason) {
         for (int i = 0; i < 100; i++) { /* it is asked again meanwhile */
             bench.run(100 * ms);
             ASSERT_EQ(ROBUROC4_ERR_NOT_SUBSCRIBED, bench.arm()) << i;
+            ASSERT_EQ(1U << service, bench.facts().missing) << i;
+            robot.service(service).insert_silent = i >= 50;
         }
+        robot.service(service).insert_silent = false;
         EXPECT_GE(robot.seen(ROBUROC4_ACTION_INSERT, static_cast<int>(service)).size(), 2U);
         ASSERT_EQ(ROBUROC4_OK,
                   roburoc4_client_subscribe(&bench.client, service, 50, bench.client_us()));

@@ -250,10 +250,13 @@ TEST_F(MoveFault, BeginsGentlyRightAfterAnother) {
 
 TEST_F(MoveFault, ComingToRestTakesNoneOfItsTime) {
     arm();
-    drive_for_two_seconds(0.9F, 0);
     options.linear_m_s2 = 0.3F;
-    options.timeout_ms = 5000;
     options.clearance_m = 0;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0.2F, 0, &options));
+    const std::uint32_t begun_ms = rig.now_ms;
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, family_go(&rig, &move, 60000, nullptr, nullptr));
+    options.timeout_ms = rig.now_ms - begun_ms + 300;
+    drive_for_two_seconds(0.9F, 0);
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, by(0.2F, 0));
 }
 
@@ -619,10 +622,14 @@ TEST_F(MoveFault, WithoutAnyTelemeterInItsDirectionItDoesNotBegin) {
 }
 
 TEST_F(MoveFault, WithoutABumperOfItsOwnItDoesNotBegin) {
-    rig.robot.texts[0] = "Something else";
-    arm();
-    EXPECT_EQ(ROBUROC4_MOVE_NO_FRONT_BUMPER, by(0.3F, 0));
-    EXPECT_NEAR(0, drove(), 0.001);
+    const std::int32_t outcomes[] = {ROBUROC4_MOVE_NO_FRONT_BUMPER, ROBUROC4_MOVE_NO_REAR_BUMPER};
+    for (const int bumper : {0, 1}) {
+        family_prepare(&rig, &nominal, 1);
+        rig.robot.texts[bumper] = "Something else";
+        arm();
+        EXPECT_EQ(outcomes[bumper], by(bumper == 0 ? 0.3F : -0.3F, 0));
+        EXPECT_NEAR(0, drove(), 0.001);
+    }
 }
 
 TEST_F(MoveFault, WithoutADistanceBehindItMovesOnlyAhead) {
@@ -659,6 +666,15 @@ TEST_F(MoveFault, AMoveRightAfterArmingWaitsForTheTelemeters) {
 }
 
 /* ------------------------------------------------------------------------------- times, units */
+
+TEST_F(MoveFault, ATimeIsATimeRightAfterAnotherMove) {
+    arm();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0.3F, 0, &options));
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, family_go(&rig, &move, 60000, nullptr, nullptr));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_for(&move, 0.3F, 0, 1000, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, go());
+    EXPECT_NEAR(1000, rig.last_ms - rig.first_ms, 20);
+}
 
 TEST_F(MoveFault, ATimeIsATimeHoweverFarTheRobotComes) {
     for (const double gain : {0.2, 1.0}) {
@@ -697,6 +713,11 @@ TEST_F(MoveFault, DegreesAndSpeedsBeyondAnyRobotAreRefused) {
     arm();
     EXPECT_EQ(ROBUROC4_MOVE_TOO_FAST, by(1, 0));
     EXPECT_NEAR(0, drove(), 0.001);
+    for (const int axis : {0, 1}) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_for(&move, axis == 0 ? 1.1F : 0, axis == 0 ? 0 : 1.6F,
+                                                 1000, nullptr));
+        EXPECT_EQ(ROBUROC4_MOVE_TOO_FAST, go());
+    }
 }
 
 TEST(MoveFamily, ADrawnSampleOfRobotsMovesAsItShould) {

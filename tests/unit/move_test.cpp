@@ -1079,6 +1079,14 @@ TEST_F(MoveView, ASpeedThatIsNoNumberIsNeitherAWayNorRest) {
         EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
 }
 
+TEST_F(MoveView, IsNotReachedWhileItsSpeedIsNoNumber) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0.5F, 0, nullptr));
+    while (follow() == ROBUROC4_MOVE_RUNNING && now_us < 60 * second)
+        if (move.remaining_m < 0.03F)
+            turning_rad_s = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_NE(ROBUROC4_MOVE_REACHED, move.outcome);
+}
+
 TEST_F(MoveView, AccelerationsThatTheRobotDoesNotReportLimitNothing) {
     for (const float turn : {0.0F, 1.0F}) {
         const auto speed_with = [&](float most) {
@@ -1294,14 +1302,18 @@ TEST_F(MoveView, APoseThatJumpsAnyWayEndsIt) {
     EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step(240000));
 }
 
-TEST_F(MoveView, ARobotThatNeverRestsEndsTheWaitForItAfterFiveSeconds) {
+TEST_F(MoveView, ARobotThatNeverRestsEndsTheWaitForItAfterFiveSecondsOrAsAskedFor) {
     view.linear_m_s = 0.5F;
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
-    const std::uint64_t begun_us = now_us;
-    while (step() == ROBUROC4_MOVE_RUNNING && now_us < begun_us + 60 * second) {
+    for (const std::uint32_t timeout_ms : {0U, 1000U, 8000U}) {
+        options.timeout_ms = timeout_ms;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, &options));
+        const std::uint64_t begun_us = now_us;
+        while (step() == ROBUROC4_MOVE_RUNNING && now_us < begun_us + 60 * second) {
+        }
+        EXPECT_EQ(ROBUROC4_MOVE_TIMEOUT, move.outcome);
+        EXPECT_NEAR(timeout_ms == 0 ? 5e6 : 1e3 * timeout_ms,
+                    static_cast<double>(now_us - begun_us), 1e5);
     }
-    EXPECT_EQ(ROBUROC4_MOVE_TIMEOUT, move.outcome);
-    EXPECT_NEAR(5e6, static_cast<double>(now_us - begun_us), 1e5);
 }
 
 TEST_F(MoveView, WayIsTheMeanOfTwoSpeedsAndThePoseIsScaled) {

@@ -932,6 +932,24 @@ TEST_F(Pump, KeepsTheRobotsTexts) {
     EXPECT_EQ(description(-1, ROBUROC4_MAX_SERVICES), ROBUROC4_ERR_INDEX);
 }
 
+TEST_F(Pump, ATextThatAnotherRobotHasReplacesTheFirst) {
+    create();
+    sleep_ms(5000);
+    sys.rewrites = [](Bytes &datagram) {
+        const std::string name = "Front bumper";
+        const auto found = std::search(datagram.begin(), datagram.end(), name.begin(), name.end());
+        if (found != datagram.end())
+            *found = 'f';
+    };
+    ASSERT_TRUE(robot_->panel("power off"));
+    sleep_ms(3000);
+    ASSERT_TRUE(robot_->panel("power on"));
+    sleep_ms(20000);
+    char text[ROBUROC4_PUMP_DESCRIPTION_SIZE];
+    ASSERT_GE(roburoc4_pump_description(pump_, ROBUROC4_IO_DIGITAL_INPUT, 0, text, sizeof text), 0);
+    EXPECT_STREQ(text, "front bumper");
+}
+
 /* ------------------------------------------------------------------------------- creation --- */
 
 TEST_F(Pump, WhatTheSystemRefusesLeavesNothingBehind) {

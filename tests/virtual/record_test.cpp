@@ -474,12 +474,15 @@ TEST_F(Record, AStreamIsNeitherRotatedNorCut) {
 /* ----------------------------------------------------------------------------------- names --- */
 
 TEST_F(Record, WhatExistsIsNotOverwritten) {
-    sys.files["run.pcapng"] = sys.files["v1.0/run"] = sys.files["v1.0\\run"] = {1, 2, 3};
+    sys.files["run.pcapng"] = sys.files["v1.0/run"] = sys.files["v1.0\\run"] =
+        sys.files["my.run.pcapng"] = {1, 2, 3};
     EXPECT_STREQ((open(), state().path), "run.2.pcapng");
     close();
     EXPECT_STREQ((open(), state().path), "run.3.pcapng");
     close();
     EXPECT_STREQ((open("v1.0/run"), state().path), "v1.0/run.2");
+    close();
+    EXPECT_STREQ((open("my.run.pcapng"), state().path), "my.run.2.pcapng");
     close();
     EXPECT_STREQ((open("v1.0\\run"), state().path), "v1.0\\run.2");
     close();

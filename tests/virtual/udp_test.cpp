@@ -286,6 +286,7 @@ TEST_F(Faults, EveryFaultOnReceivingIsSkipped) {
     EXPECT_EQ(count(ROBUROC4_UDP_COUNT_OVERSIZED), 1u);
     EXPECT_EQ(count(ROBUROC4_UDP_COUNT_RECEIVED), 1u);
     EXPECT_EQ(udp_.fault, uint32_t{ROBUROC4_FAULT_NONE}) << "a datagram came in";
+    EXPECT_EQ(udp_.system_error, 0);
     size_t size = 7;
     EXPECT_EQ(roburoc4_udp_receive_one(&udp_, &client_, nullptr, &size), ROBUROC4_UDP_NOTHING);
     EXPECT_EQ(size, 0u);
