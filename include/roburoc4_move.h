@@ -123,8 +123,8 @@ ROBUROC4_API roburoc4_result roburoc4_move_options_init(roburoc4_move_options *o
 
 /** What a move knows of the robot's response. All of it is private. */
 typedef struct roburoc4_private_fit {
-    float gain, speed, since_s, surprise, statuses;
-    float numbers[5], spread[5][5], smooth[3][2];
+    float gain, since_s, shift, surprise, statuses;
+    float numbers[5], spread[5][5], smooth[2][3];
 } roburoc4_private_fit;
 
 /** A move (frozen: its size never changes). Read the first fields after each step; the others are
@@ -152,7 +152,7 @@ typedef struct roburoc4_move {
     uint8_t private_driven, private_turned, private_rested, private_quiet_cycles, private_jolted,
         private_unmeasured, private_stood_cycles;
     int8_t private_side, private_rolled;
-    uint8_t private_same_cycles, private_stopping, private_suspect;
+    uint8_t private_same_cycles, private_stopping, private_suspect, private_pose_gap;
     float private_measured; /* the last status's speed on the leg's axis */
     float private_peak,
         private_told;            /* the highest speed, measured and proposed, until it brakes */
@@ -161,7 +161,7 @@ typedef struct roburoc4_move {
     uint32_t private_stop_us;    /* when the stop sequence began that the last step saw */
     float private_mark;          /* where it was when it last moved, */
     uint32_t private_stood_us;   /* and how long ago that was */
-    uint32_t private_spare[3];
+    uint32_t private_spare[2];
 } roburoc4_move;
 
 /* Begin a move in any memory. Nothing is sent: the first step plans the move.

@@ -444,12 +444,26 @@ static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
     }
 }
 
+/** A pose was taken over; whether it is another one than before, and of what age. */
+static void note_change(roburoc4_move *m, const int64_t *before, uint32_t passed,
+                        roburoc4_move_news *news) {
+    const int32_t apart = (int32_t)(m->private_pose_cycles - m->private_speed_cycles);
+    news->moved = memcmp(before, m->private_pose, sizeof m->private_pose) != 0;
+    news->prompt = news->moved && passed <= m->private_pose_gap + 1U;
+    news->ahead_s = 0.01F * (float)(apart > 30 ? 30 : apart < -30 ? -30 : apart);
+    /* the shortest of late: a program may subscribe to them less often */
+    m->private_pose_gap = passed > m->private_pose_gap ? count_on(m->private_pose_gap, 1)
+                          : passed != 0                ? (uint8_t)passed
+                                                       : m->private_pose_gap;
+}
+
 /** Take what is new in the view, and note when it arrived; false if the pose jumped. */
 static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t passed_us,
                       uint64_t now_us) {
     const float sent[BOTH] = {v->sent_linear_m_s, v->sent_angular_rad_s};
     const float passed_s = seconds_of(passed_us);
-    const bool speeds = v->speed_cycles != m->private_speed_cycles;
+    const uint64_t last_pose = m->private_pose_cycles;
+    roburoc4_move_news news = {v->speed_cycles != m->private_speed_cycles, false, false, 0};
     const bool pose =
         m->private_posed && v->pose_cycles != 0 && v->pose_cycles != m->private_pose_cycles;
     for (uint32_t i = 0; i < BOTH; i++) {
@@ -457,7 +471,7 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
         m->private_lagging[i] +=
             passed_s / LAGGING_S * (m->private_commanded[i] - m->private_lagging[i]);
     }
-    if (speeds) {
+    if (news.speeds) {
         note_speeds(m, v);
         m->private_heard_us = now_us;
     }
@@ -470,10 +484,14 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
         (v->relocalized != m->private_relocalized || (pose && !note_pose(m, v)))) {
         return false;
     }
-    /* some robots compute their pose seldom, and repeat it in between */
-    const bool moved = memcmp(before, m->private_pose, sizeof before) != 0;
-    if (roburoc4_move_axis_learn(m, passed_s, speeds, moved || (speeds && !m->private_posed)) &&
-        m->private_kind < FOR && !m->private_rolls) {
+    if (pose) {
+        note_change(m, before, cycles_from(last_pose, v->pose_cycles), &news);
+    } else if (!m->private_posed) {
+        news.moved = news.prompt = news.speeds;
+    }
+    const float late_s = seconds_of((uint32_t)(now_us - m->private_heard_us));
+    if (roburoc4_move_axis_learn(m, passed_s, late_s, news) && m->private_kind < FOR &&
+        !m->private_rolls) {
         m->private_rolls = INTERRUPTED;
     }
     return true;
@@ -778,6 +796,7 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
     if (v->pose_cycles != 0 && !rest) {
         (void)note_pose(m, v);
         m->private_posed = 1;
+        m->private_pose_gap = UINT8_MAX;
     }
     if (m->private_kind == FOR) {
         obey_own_limits(m, v);

@@ -10,15 +10,17 @@
  *
  *     covered + lag * speed + bend * acceleration = gain * commanded - delay * sent + offset
  *
- * Both sides are smoothed twice by the same filter; then the acceleration is a difference of two
- * smoothed speeds, and no measurement is differentiated. Recursive least squares fit the five
- * numbers, beginning with what robots are like. They also know how far the gain is in doubt: the
- * more it is, the earlier a move brakes, and makes up for it afterwards.
+ * Both sides are smoothed by the same filter, once, twice and three times. Speed and acceleration
+ * are differences of these: no measurement is differentiated, and the noise of the reported speeds
+ * hardly counts. Recursive least squares fit the five numbers, beginning with what robots are like.
+ * They also know how far the gain is in doubt: the more it is, the earlier a move brakes, and makes
+ * up for it afterwards.
  */
 #include "move_internal.h"
 
 enum { GAIN, LAG, BEND, DELAY, OFFSET, FITS };
-enum { COMMANDED, COVERED, SPEED, SIGNALS };
+enum { COMMANDED, COVERED, SIGNALS };
+#define TIMES 3 /* so often they are smoothed */
 /* What the speeds say: how many statuses in a row doubt that the wheels are free, up to JOLTED; or
  * that the last one jumped. */
 enum { STEADY, JOLTED = 4, SLOWER, FASTER };
@@ -29,34 +31,34 @@ enum { STEADY, JOLTED = 4, SLOWER, FASTER };
  * `unit` times as many.
  *
  * What robots are like, and standard deviations of that; lag and bend grow together. */
-#define LAG_MEAN 0.39F
+#define LAG_MEAN 0.34F
 #define BEND_MEAN 0.19F
-#define DELAY_MEAN 0.13F
-#define GAIN_SPREAD 0.12F
-#define LAG_SPREAD 0.43F
+#define DELAY_MEAN 0.18F
+#define GAIN_SPREAD 0.11F
+#define LAG_SPREAD 0.42F
 #define BEND_SPREAD 0.18F
-#define DELAY_SPREAD 0.13F
-#define OFFSET_SPREAD 0.0082F
+#define DELAY_SPREAD 0.12F
+#define OFFSET_SPREAD 0.0087F
 #define LAG_AND_BEND 0.91F
-#define FILTER_S 0.84F
+#define FILTER_S 0.47F
 /* How far off the equation is for a robot that stands, and more per speed; how much is known of
  * that, in statuses; and how fast the offset drifts. */
-#define NOISE_M 0.0043F
-#define NOISE_S 0.0055F
-#define NOISE_STATUSES 17.0F
-#define DRIFT_M2_S 2.1e-6F
+#define NOISE_M 0.005F
+#define NOISE_S 0.0044F
+#define NOISE_STATUSES 19.0F
+#define DRIFT_M2_S 2.0e-6F
 /* The gain may be larger by so many standard deviations, but no gain is farther from 1. */
-#define CAUTION 0.66F
+#define CAUTION 0.84F
 #define GAIN_RANGE 0.5F
 /* Time constant of the approach to the goal, and how it grows with the doubt. */
-#define APPROACH_S 0.068F
-#define APPROACH_S_PER_M 4.8F
+#define APPROACH_S 0.069F
+#define APPROACH_S_PER_M 4.5F
 /* So late the manual's robot follows. */
 #define FOLLOWS_S 0.6F
 /* A pose that is repeated for longer is that of a robot that stands. */
-#define POSE_AGE_S 0.3F
-/* How single speeds are smoothed. */
-#define SMOOTH 0.77F
+#define POSE_AGE_S 0.61F
+/* So long it goes on with the speed that it reported last. */
+#define LATE_MOST_S 0.3F
 /* No command changes a speed so fast: something stopped the wheels, or let them go. What was
  * learned is wrong then, until they roll again. */
 #define JOLT 0.09F
@@ -76,17 +78,17 @@ enum { STEADY, JOLTED = 4, SLOWER, FASTER };
 #define SLOW 0.027F
 #define SLOW_LINE_M_S 0.06F
 #define SLOW_TURN_RAD_S 0.1F
-#define DOUBT_MOST 0.01F
+#define DOUBT_MOST 0.011F
 /* By `reached`: where the robot may be if it turned back twice, or took long. */
 #define LENIENT 1.9F
 /* A robot that responds slowly swings, and is slow at the end of each swing, too. So one whose bend
  * is larger than `swings` is at its goal only if its two smoothed positions agree within `settled`;
  * but a move waits for that no longer than so many times its profile, and some seconds. If its bend
  * is larger than `calm`, it is braked more gently. */
-#define SWINGS_S2 0.22F
-#define CALM_S2 0.24F
-#define SETTLED 0.007F
-#define SETTLE_TIMES 1.5F
+#define SWINGS_S2 0.26F
+#define CALM_S2 0.22F
+#define SETTLED 0.0099F
+#define SETTLE_TIMES 1.6F
 #define SETTLE_MARGIN_S 1.5F
 /* None rolls farther than this; after a long way, what was learned is not so exact. */
 #define ROLLS_S 2.5F
@@ -115,8 +117,8 @@ float roburoc4_move_axis_seconds(const roburoc4_move *m, uint32_t axis, float wa
                               : 2 * roburoc4_move_root(magnitude(way) / slope);
 }
 
-/** Learn anew, of a robot that moves as it does now. */
-static void learn_anew(roburoc4_move *m, const float *signals) {
+/** Learn anew, of a robot at rest. */
+static void learn_anew(roburoc4_move *m, float commanded, float covered) {
     static const float mean[FITS] = {1, LAG_MEAN, BEND_MEAN, DELAY_MEAN, 0};
     static const float deviation[FITS] = {GAIN_SPREAD, LAG_SPREAD, BEND_SPREAD, DELAY_SPREAD,
                                           OFFSET_SPREAD};
@@ -127,22 +129,22 @@ static void learn_anew(roburoc4_move *m, const float *signals) {
         f->spread[i][i] = deviation[i] * deviation[i];
     }
     f->gain = 1;
+    f->shift = covered - m->private_by_speeds[roburoc4_move_axis(m)];
     f->spread[LAG][BEND] = f->spread[BEND][LAG] = LAG_AND_BEND * LAG_SPREAD * BEND_SPREAD;
-    for (uint32_t i = 0; i < SIGNALS; i++) {
-        f->smooth[i][0] = f->smooth[i][1] = signals[i];
+    for (uint32_t i = 0; i < TIMES; i++) {
+        f->smooth[COMMANDED][i] = commanded;
+        f->smooth[COVERED][i] = covered;
     }
     /* where it is now is known, whatever its gain */
-    const float commanded = signals[COMMANDED];
-    f->numbers[OFFSET] = signals[COVERED] + LAG_MEAN * signals[SPEED] - commanded;
+    f->numbers[OFFSET] = covered - commanded;
     f->spread[GAIN][OFFSET] = f->spread[OFFSET][GAIN] = -commanded * f->spread[GAIN][GAIN];
     f->spread[OFFSET][OFFSET] += commanded * commanded * f->spread[GAIN][GAIN];
-    f->speed = m->private_measured = signals[SPEED];
+    m->private_measured = 0;
 }
 
 void roburoc4_move_axis_again(roburoc4_move *m) {
     const uint32_t axis = roburoc4_move_axis(m);
-    const float signals[SIGNALS] = {m->private_commanded[axis], m->private_covered[axis], 0};
-    learn_anew(m, signals);
+    learn_anew(m, m->private_commanded[axis], m->private_covered[axis]);
     m->private_patience_s =
         SETTLE_TIMES * roburoc4_move_axis_seconds(m, axis, roburoc4_move_left(m, axis)) +
         SETTLE_MARGIN_S;
@@ -161,16 +163,15 @@ static void fit(roburoc4_move *m, float passed_s) {
     roburoc4_private_fit *f = &m->private_fit;
     const float *const commanded = f->smooth[COMMANDED];
     const float *const covered = f->smooth[COVERED];
-    const float *const speed = f->smooth[SPEED];
-    const float moved = (covered[0] - covered[1]) * (1 / FILTER_S);
-    const float row[FITS] = {commanded[1], -0.5F * (speed[1] + moved),
-                             (speed[1] - speed[0]) * (1 / FILTER_S),
-                             (commanded[1] - commanded[0]) * (1 / FILTER_S), 1};
-    const float off = NOISE_M + NOISE_S * magnitude(speed[1]);
+    const float newer = (covered[0] - covered[1]) * (1 / FILTER_S);
+    const float speed = (covered[1] - covered[2]) * (1 / FILTER_S);
+    const float row[FITS] = {commanded[2], -speed, (speed - newer) * (1 / FILTER_S),
+                             (commanded[2] - commanded[1]) * (1 / FILTER_S), 1};
+    const float off = NOISE_M + NOISE_S * magnitude(speed);
     const float scale = unit[roburoc4_move_axis(m)] * unit[roburoc4_move_axis(m)];
     const float learned = (NOISE_STATUSES + f->surprise) / (NOISE_STATUSES + f->statuses);
     const float noise = off * off * scale * learned;
-    float shared[FITS], variance = noise, error = covered[1];
+    float shared[FITS], variance = noise, error = covered[2];
     f->spread[OFFSET][OFFSET] += passed_s * DRIFT_M2_S * scale;
     for (uint32_t i = 0; i < FITS; i++) {
         shared[i] = 0;
@@ -243,29 +244,38 @@ static uint8_t jolts(roburoc4_move *m, uint32_t axis) {
                               : (uint8_t)(before + 1);
 }
 
-bool roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, bool covered) {
+/** Where it is now: as far as the speeds say since the last pose whose age is known. */
+static float covers(roburoc4_move *m, float passed_s, float late_s, roburoc4_move_news news) {
+    const uint32_t axis = roburoc4_move_axis(m);
+    roburoc4_private_fit *f = &m->private_fit;
+    const float speed = m->private_speed[axis] * roburoc4_move_stretch(m, axis);
+    f->since_s = news.moved ? 0 : lesser(f->since_s + passed_s, POSE_AGE_S);
+    if (news.prompt || (news.speeds && order_of(f->since_s) >= order_of(POSE_AGE_S))) {
+        f->shift = m->private_covered[axis] - m->private_by_speeds[axis] - news.ahead_s * speed;
+    }
+    return m->private_by_speeds[axis] + f->shift + lesser(late_s, LATE_MOST_S) * speed;
+}
+
+bool roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, float late_s,
+                              roburoc4_move_news news) {
     const uint32_t axis = roburoc4_move_axis(m);
     roburoc4_private_fit *f = &m->private_fit;
     m->private_patience_s -= passed_s;
-    f->since_s = covered ? 0 : lesser(f->since_s + passed_s, POSE_AGE_S);
-    const float speed = m->private_speed[axis] * roburoc4_move_stretch(m, axis);
-    const float signals[SIGNALS] = {m->private_commanded[axis],
-                                    m->private_covered[axis] + f->since_s * speed, speed};
-    if (speeds) {
+    const float signals[SIGNALS] = {m->private_commanded[axis], covers(m, passed_s, late_s, news)};
+    if (news.speeds) {
         m->private_jolted = jolts(m, axis);
     }
     const float share = passed_s / (passed_s + FILTER_S);
     for (uint32_t i = 0; i < SIGNALS; i++) {
-        f->smooth[i][0] += share * (signals[i] - f->smooth[i][0]);
-        f->smooth[i][1] += share * (f->smooth[i][0] - f->smooth[i][1]);
+        float value = signals[i];
+        for (uint32_t k = 0; k < TIMES; k++) {
+            value = f->smooth[i][k] += share * (value - f->smooth[i][k]);
+        }
     }
-    if (speeds) {
-        f->speed += SMOOTH * (m->private_speed[axis] - f->speed);
-    }
-    if (speeds || covered) {
+    if (news.speeds || news.prompt) {
         fit(m, passed_s);
     }
-    return speeds && m->private_jolted == JOLTED;
+    return news.speeds && m->private_jolted == JOLTED;
 }
 
 /** Where it will be at rest, if nothing more is commanded. */
@@ -295,7 +305,7 @@ float roburoc4_move_axis_rolls(const roburoc4_move *m) {
 static bool slow(const roburoc4_move *m) {
     const uint32_t axis = roburoc4_move_axis(m);
     return is_zero(axis == LENGTH ? m->linear_m_s : m->angular_rad_s) &&
-           !beyond(m->private_fit.speed, SLOW * unit[axis]) &&
+           !beyond(m->private_speed[axis], SLOW * unit[axis]) &&
            !beyond(m->private_speed[LENGTH], SLOW_LINE_M_S) &&
            !beyond(m->private_speed[ANGLE], SLOW_TURN_RAD_S);
 }
@@ -329,12 +339,12 @@ static float bounded_by_goal(const roburoc4_move *m, float speed) {
     const float towards = with_sign(1, left);
     if (order_of(speed * towards) > 0) {
         const float rolls =
-            m->private_suspect == SUSPECTED ? FOLLOWS_S * magnitude(m->private_fit.speed) : 0;
+            m->private_suspect == SUSPECTED ? FOLLOWS_S * magnitude(m->private_speed[axis]) : 0;
         const float room =
             order_of(magnitude(left)) > order_of(rolls) ? magnitude(left) - rolls : 0;
         return within(speed, profile(room, m->private_slope[axis], APPROACH_S));
     }
-    return order_of(m->private_fit.speed * towards) > order_of(SLOW * unit[axis]) ? speed : 0;
+    return order_of(m->private_speed[axis] * towards) > order_of(SLOW * unit[axis]) ? speed : 0;
 }
 
 /** How hard a move brakes: a robot that responds slowly would swing. */

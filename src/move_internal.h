@@ -76,9 +76,18 @@ float roburoc4_move_axis_seconds(const roburoc4_move *m, uint32_t axis, float wa
 void roburoc4_move_axis_begin(roburoc4_move *m);
 /** The same in the middle of a leg: what was learned is wrong. */
 void roburoc4_move_axis_again(roburoc4_move *m);
-/** Time passed; then a status of speeds may have come, or one that says how far the robot is. True
- * if something stopped the wheels, or let them go. */
-bool roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, bool speeds, bool covered);
+/** What the statuses of a step show. */
+typedef struct roburoc4_move_news {
+    bool speeds;   /* there is a status of speeds */
+    bool moved;    /* another pose than before (some robots compute it seldom, and repeat it) */
+    bool prompt;   /* that, and no status was lost before it, so it is no older than it looks */
+    float ahead_s; /* by so much it is newer than the speeds */
+} roburoc4_move_news;
+
+/** Time passed, and the last speeds came so long ago. True if something stopped the wheels, or let
+ * them go. */
+bool roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, float late_s,
+                              roburoc4_move_news news);
 /** The speed towards the end of the leg. */
 float roburoc4_move_axis_speed(roburoc4_move *m);
 /** Whether the robot is at rest at the end of the leg, and will stay there. */
