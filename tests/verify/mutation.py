@@ -22,6 +22,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 COMPILE = ["gcc", "-std=c99", "-O2", "-fPIC", "-w", f"-I{ROOT}/include", "-c"]
+LINK: list[str] = []
 TEST_S = 120
 MEMORY_BYTES = 2 << 30
 
@@ -61,28 +62,31 @@ def exported(code: bytes, folder: Path) -> bytes:
     return subprocess.run(command, capture_output=True, check=True).stdout
 
 
-def pass_with(objects: dict[str, bytes], program: Path, folder: Path) -> bool:
-    """Whether the tests pass with a library made of these objects."""
+def pass_with(objects: dict[str, bytes], programs: list[Path], folder: Path) -> bool:
+    """Whether all tests pass with a library made of these objects."""
     files = []
     for source, code in objects.items():
         files.append(folder / (source + ".o"))
         files[-1].write_bytes(code)
     library = folder / "changed.so"
-    subprocess.run(["gcc", "-shared", "-o", library, *files], check=True)
+    subprocess.run(["gcc", "-shared", "-o", library, *files, *LINK], check=True)
     limit = ["prlimit", f"--as={MEMORY_BYTES}"]
-    command = [*limit, program, "--gtest_brief=1", "--gtest_fail_fast"]
     preload = dict(os.environ, LD_PRELOAD=str(library))
-    try:
-        done = subprocess.run(
-            command, env=preload, capture_output=True, timeout=TEST_S, check=False
-        )
-    except subprocess.TimeoutExpired:
-        return False
-    return done.returncode == 0
+    for program in programs:
+        command = [*limit, program, "--gtest_brief=1", "--gtest_fail_fast"]
+        try:
+            done = subprocess.run(
+                command, env=preload, capture_output=True, timeout=TEST_S, check=False
+            )
+        except subprocess.TimeoutExpired:
+            return False
+        if done.returncode != 0:
+            return False
+    return True
 
 
 def verdict(
-    program: Path, sources: list[Path], sound: dict[str, bytes], file: Path, text: str
+    programs: list[Path], sources: list[Path], sound: dict[str, bytes], file: Path, text: str
 ) -> str:
     """Whether the tests notice this version of a file."""
     with tempfile.TemporaryDirectory() as name:
@@ -99,7 +103,7 @@ def verdict(
             for source, code in changed.items()
         ):
             return "invalid"  # with a renamed function, the program's own would run
-        return "missed" if pass_with(sound | changed, program, folder) else "noticed"
+        return "missed" if pass_with(sound | changed, programs, folder) else "noticed"
 
 
 def difference(before: str, after: str) -> str:
@@ -112,9 +116,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--mutate", required=True, help="universalmutator's program")
     parser.add_argument(
-        "--program", type=Path, required=True, help="linked with them as a shared library"
+        "--program",
+        type=Path,
+        required=True,
+        action="append",
+        help="tests, linked with them as a shared library; may be given again",
     )
     parser.add_argument("--compile", default="", help="more arguments to compile them with")
+    parser.add_argument("--link", default="", help="what they need, to link them with")
     parser.add_argument("--sample", type=int, default=200, help="changes to try")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--at-least", type=float, default=0, help="per cent that must be noticed")
@@ -122,6 +131,7 @@ def main() -> int:
     options = parser.parse_args()
 
     COMPILE[1:1] = options.compile.split()
+    LINK.extend(options.link.split())
     sources = [source.resolve() for source in options.sources]
     with tempfile.TemporaryDirectory() as name:
         copy_sources(sources, Path(name))
