@@ -177,11 +177,11 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 /* preserve curvature: if a speed, or that of the outer wheels, exceeds its limit, reduce both by
  * the same factor */
 #define ROBUROC4_OPTION_TURN_KEEPING 0x01
-/* for a robot without game pad inputs. Types, texts and the program's settings must not contradict
- * each other about any service, nor two services have one type without texts. An IO card that is
- * listed must still report its counts; if none is listed, every service must be identified by type,
- * by text, or by properties that fit the manual's id, and neither iocard_id nor the index of [A] be
- * set */
+/* drive a robot of which the client does not know [A], such as one without a game pad. YOU know
+ * that nobody will press [A]: the client does not see it. It waits until the texts that could name
+ * an IO card, or [A] on it, were given, refused, or asked for in vain. While it drives it goes on
+ * asking; once [A] is known, it is obeyed (to see it, the client disarms for a moment). A listed IO
+ * card must report its counts; one that iocard_id or the index of [A] asks for must be there */
 #define ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE 0x02
 /* stay armed when another client commands; also for a robot that reports ramped targets */
 #define ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER 0x04
@@ -645,7 +645,7 @@ typedef struct roburoc4_private_discovery {
     uint8_t claims[ROBUROC4_MAX_SERVICES];
     uint8_t text_due, doubted, doubted_list, doubted_roles;
     uint16_t doubted_index;
-    uint8_t fitting, reserved; /* services whose properties had the right length */
+    uint8_t reserved[2];
     uint64_t bumpers[2];
 } roburoc4_private_discovery;
 

@@ -12,14 +12,10 @@ static bool fresh(const client *c, uint32_t service, uint64_t now_us, timer *t) 
 
 bool roburoc4_conditions_may_have_pad(const client *c) {
     const discovery *d = &c->private_discovery;
-    const bool automatic =
-        c->private_config.role_index[ROBUROC4_ROLE_OVERRIDE] == ROBUROC4_INDEX_AUTO;
-    const uint16_t card = d->service_ids[ROBUROC4_SERVICE_IOCARD]; /* 0: none is listed */
-    if (WITH_TEXTS && roburoc4_discovery_guessed(d, &c->private_config, card)) {
-        return true;
-    }
+    const roburoc4_config *config = &c->private_config;
+    const bool automatic = config->role_index[ROBUROC4_ROLE_OVERRIDE] == ROBUROC4_INDEX_AUTO;
     if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
-        return !automatic || roburoc4_discovery_doubtful(d, &c->private_config);
+        return !automatic || config->iocard_id >= 0 || roburoc4_discovery_doubtful(d, config);
     }
     return (d->known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0 ||
            (automatic && !roburoc4_discovery_inputs_passed(d, c->private_values.io_counts)) ||
@@ -37,16 +33,6 @@ static roburoc4_result not_fresh(const client *c, uint32_t service, roburoc4_res
                    (listed || !roburoc4_discovery_doubtful(d, &c->private_config))
                ? ROBUROC4_ERR_NOT_SUBSCRIBED
                : stale;
-}
-
-/** The same of the IO card; where the override may be unknown, texts that come may say that there
- * is none. */
-static roburoc4_result card_not_fresh(const client *c) {
-    const uint32_t options = c->private_config.options;
-    return (options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0 &&
-                   !roburoc4_discovery_directory_passed(&c->private_discovery)
-               ? ROBUROC4_ERR_STALE_IOCARD
-               : not_fresh(c, ROBUROC4_SERVICE_IOCARD, ROBUROC4_ERR_STALE_IOCARD);
 }
 
 /* Without texts, only the program can say which services these are, and which input is [A]. */
@@ -84,7 +70,7 @@ static roburoc4_result refusal(const client *c, uint64_t now_us, timer *t) {
     if ((options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) == 0 ||
         roburoc4_conditions_may_have_pad(c)) {
         if (!fresh(c, ROBUROC4_SERVICE_IOCARD, now_us, t)) {
-            return card_not_fresh(c);
+            return not_fresh(c, ROBUROC4_SERVICE_IOCARD, ROBUROC4_ERR_STALE_IOCARD);
         }
         if (!knows_override(c)) {
             return ROBUROC4_ERR_OVERRIDE_UNKNOWN;

@@ -15,7 +15,7 @@ void roburoc4_discovery_clear(discovery *d) {
 
 void roburoc4_discovery_restart(discovery *d) {
     d->identified = 0;
-    d->known = d->fitting = 0;
+    d->known = 0;
     d->refused = 0;
     d->texts_done = 0;
     d->doubted = 0;
@@ -130,66 +130,6 @@ bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *conf
         }
     }
     return false;
-}
-
-/** Whether another service has the type of element i, too. */
-static bool shares_type(const discovery *d, uint32_t i) {
-    uint32_t other = 0;
-    while (other < d->service_count && (other == i || d->types[other] != d->types[i])) {
-        other++;
-    }
-    return other < d->service_count;
-}
-
-/** Whether something else than its type says which service element i is. */
-static bool described(const discovery *d, uint32_t i) {
-    const uint16_t id = d->ids[i];
-    return d->claims[i] < ROBUROC4_SERVICE_COUNT || d->claims[i] == CLAIM_OTHER ||
-           (id < ROBUROC4_SERVICE_COUNT && d->service_ids[id] == id &&
-            (d->fitting & service_bit(id)) != 0);
-}
-
-/** What the program's setting, else the type, says that element i is. */
-static uint8_t kind_told(const discovery *d, const roburoc4_config *config, uint32_t i) {
-    const uint8_t set = kind_set(config, d->ids[i]);
-    return set != CLAIM_NONE ? set : kind_of_type(d->types[i]);
-}
-
-/** Whether type, text and setting agree on element i, as far as they say something. A type may be
- * that of another robot's service, and the program may be wrong. */
-static bool agreed(const discovery *d, const roburoc4_config *config, uint32_t i) {
-    const uint8_t type = kind_of_type(d->types[i]), text = d->claims[i];
-    const uint8_t told = kind_told(d, config, i);
-    return (type == CLAIM_NONE || type == told) &&
-           (text >= ROBUROC4_SERVICE_COUNT ||
-            (text == ROBUROC4_SERVICE_IOCARD) == (told == ROBUROC4_SERVICE_IOCARD));
-}
-
-/** Whether type or text say that element i is the card. */
-static bool says_card(const discovery *d, uint32_t i) {
-    return d->types[i] == ROBUROC4_TYPE_IOCARD || d->claims[i] == ROBUROC4_SERVICE_IOCARD;
-}
-
-/** Whether it is certain which service element i is: also by a text that could still say
- * otherwise. */
-static bool certain(const discovery *d, const roburoc4_config *config, uint32_t i) {
-    const uint64_t read = d->described[LIST_DIRECTORY] | d->given_up[LIST_DIRECTORY];
-    const uint8_t text = d->claims[i];
-    return agreed(d, config, i) && (d->texts_done || (read >> i & 1) != 0) &&
-           (kind_set(config, d->ids[i]) != CLAIM_NONE || text < ROBUROC4_SERVICE_COUNT ||
-            text == CLAIM_OTHER || !shares_type(d, i));
-}
-
-bool roburoc4_discovery_guessed(const discovery *d, const roburoc4_config *config, uint16_t card) {
-    for (uint32_t i = 0; i < d->service_count; i++) {
-        const bool told = kind_told(d, config, i) != CLAIM_NONE, is_card = d->ids[i] == card;
-        if (d->ids[i] > ROBUROC4_SERVICE_NOTIFICATION &&
-            ((told ? !certain(d, config, i) : (is_card || card == 0) && !described(d, i)) ||
-             (says_card(d, i) && !is_card))) {
-            return true;
-        }
-    }
-    return card == 0 && config->iocard_id >= 0; /* it is not in the directory */
 }
 
 /** How well element i matches a service: 4 by the program's setting, 3 by type, 2 by text, 1 by the
@@ -521,11 +461,6 @@ bool roburoc4_discovery_texts_passed(const discovery *d, const int32_t *io_count
         }
     }
     return true;
-}
-
-bool roburoc4_discovery_directory_passed(const discovery *d) {
-    const uint64_t passed = d->described[LIST_DIRECTORY] | d->given_up[LIST_DIRECTORY];
-    return d->texts_done || (~passed & lowest_bits(d->service_count)) == 0;
 }
 
 bool roburoc4_discovery_inputs_passed(const discovery *d, const int32_t *io_counts) {

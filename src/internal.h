@@ -329,10 +329,6 @@ bool roburoc4_discovery_may_drive(const discovery *d, const roburoc4_config *con
 /** Whether the directory has a service that neither settings, type nor text identify for certain.
  */
 bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *config);
-/** Whether settings, types and texts contradict each other, or may still do; or nothing says what
- * the card (any service, if its id is 0) is but the manual's id, which its properties do not fit.
- */
-bool roburoc4_discovery_guessed(const discovery *d, const roburoc4_config *config, uint16_t card);
 /** Assign ids to services; true if a known service has another id now. */
 bool roburoc4_discovery_identify(discovery *d, const roburoc4_config *config);
 /** A text arrived for an element of the directory, or (io_type 0 to 3) for a channel. True if an
@@ -373,8 +369,6 @@ bool roburoc4_discovery_next_text(const discovery *d, const requests *r, const i
 bool roburoc4_discovery_texts_passed(const discovery *d, const int32_t *io_counts);
 /** Whether all texts were answered or given up that are needed to identify services. */
 bool roburoc4_discovery_services_passed(const discovery *d);
-/** Whether every text of the directory was answered, refused or given up. */
-bool roburoc4_discovery_directory_passed(const discovery *d);
 /** Whether all texts of digital inputs were answered or given up. */
 bool roburoc4_discovery_inputs_passed(const discovery *d, const int32_t *io_counts);
 /** Once all texts were answered or given up: allow one more request for a missing one. */

@@ -416,7 +416,6 @@ static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data
         result = take_properties(c, s->ask.kind, data, size);
         if (result >= 0) {
             d->known |= service_bit(s->ask.kind);
-            d->fitting |= result == 0 ? (uint8_t)service_bit(s->ask.kind) : 0;
             d->refused &= (uint8_t)~service_bit(s->ask.kind);
         }
         break;

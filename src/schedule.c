@@ -101,7 +101,7 @@ static bool open_probe(client *c) {
     }
     s->probe_us = c->private_timer.now_us;
     s->text_first = 1;
-    if (WITH_TEXTS && !c->private_drive.lease_active) {
+    if (WITH_TEXTS && (!c->private_drive.lease_active || !c->private_conditions.override_known)) {
         roburoc4_discovery_ask_again(d, c->private_values.io_counts);
     }
     if (s->probe_kind == 0) {
