@@ -703,10 +703,13 @@ TEST_F(MoveFault, ATimeIsATimeBackwardAndToTheRight) {
 }
 
 TEST_F(MoveFault, DegreesAndSpeedsBeyondAnyRobotAreRefused) {
-    EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_by(&move, 0, 90, &options));
+    for (const float degrees : {90.0F, -90.0F, 12.6F, -12.6F})
+        EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_by(&move, 0, degrees, &options)) << degrees;
     EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_to_pose(&move, 0, 0, 90, &options));
-    EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_for(&move, 300, 0, 1000, &options));
-    EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_for(&move, 0, 90, 1000, &options));
+    for (const float speed : {10.1F, -10.1F, 300.0F}) {
+        EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_for(&move, speed, 0, 1000, &options)) << speed;
+        EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_for(&move, 0, speed, 1000, &options)) << speed;
+    }
     options.linear_m_s = 100;
     EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_by(&move, 1, 0, &options));
     options.linear_m_s = 1.1F;

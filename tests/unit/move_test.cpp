@@ -1081,10 +1081,15 @@ TEST_F(MoveView, ASpeedThatIsNoNumberIsNeitherAWayNorRest) {
 
 TEST_F(MoveView, IsNotReachedWhileItsSpeedIsNoNumber) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0.5F, 0, nullptr));
-    while (follow() == ROBUROC4_MOVE_RUNNING && now_us < 60 * second)
-        if (move.remaining_m < 0.03F)
-            turning_rad_s = std::numeric_limits<float>::quiet_NaN();
-    EXPECT_NE(ROBUROC4_MOVE_REACHED, move.outcome);
+    while (move.remaining_m > 0.03F || now_us < 2 * second)
+        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, follow());
+    turning_rad_s = std::numeric_limits<float>::quiet_NaN();
+    for (int i = 0; i < 20; i++)
+        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, follow());
+    turning_rad_s = 0;
+    while (follow() == ROBUROC4_MOVE_RUNNING) {
+    }
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.outcome);
 }
 
 TEST_F(MoveView, AccelerationsThatTheRobotDoesNotReportLimitNothing) {
@@ -1488,7 +1493,7 @@ TEST(MoveOfAClient, APoseThatIsSeenIsNotScaled) {
     }
 }
 
-TEST(MoveOfAClient, WhatATelemeterSeesBesideOrBehindIsNoObstacle) {
+static void expect_obstacles_ahead_only(bool is_nan) {
     const std::tuple<float, float, std::int32_t> rows[] = {
         {1.0F, 1.57F, ROBUROC4_MOVE_RUNNING},  {-1.0F, -1.57F, ROBUROC4_MOVE_RUNNING},
         {1.0F, 3.14F, ROBUROC4_MOVE_RUNNING},  {-1.0F, 0, ROBUROC4_MOVE_RUNNING},
@@ -1499,6 +1504,8 @@ TEST(MoveOfAClient, WhatATelemeterSeesBesideOrBehindIsNoObstacle) {
         roburoc4_tests::ScriptedRobot robot;
         robot.telemeters[0].theta_rad = theta_rad;
         robot.distances[0] = 0.1F;
+        if (is_nan) /* what is not known is near */
+            robot.distances[0] = static_cast<float>(no_number);
         if (result == ROBUROC4_MOVE_OBSTACLE) { /* the nearest one counts */
             robot.telemeters[1].theta_rad = way_m > 0 ? 0 : 3.14F;
             robot.distances[1] = 9;
@@ -1515,6 +1522,11 @@ TEST(MoveOfAClient, WhatATelemeterSeesBesideOrBehindIsNoObstacle) {
         EXPECT_EQ(result, roburoc4_move_step(&move, &bench.client, bench.now_us))
             << way_m << " m, " << theta_rad << " rad";
     }
+}
+
+TEST(MoveOfAClient, WhatATelemeterSeesBesideOrBehindIsNoObstacle) {
+    expect_obstacles_ahead_only(false);
+    expect_obstacles_ahead_only(true);
 }
 
 TEST(MoveOfAClient, ATelemeterWhoseBeamPassesByDoesNotSeeWhatIsAhead) {
