@@ -91,6 +91,11 @@ static bool texts_wait(const client *c) {
             (c->private_drive.stopping && c->private_conditions.override_known));
 }
 
+/** Whether texts that were given up are asked for again: [A] always, others while nobody drives. */
+static bool asks_again(const client *c) {
+    return WITH_TEXTS && (!c->private_drive.lease_active || !c->private_conditions.override_known);
+}
+
 /** A request to each service in turn. It measures the round trip, keeps properties current, notices
  * a changed directory, and repeats what was refused. Then a missing text is requested. */
 static bool open_probe(client *c) {
@@ -101,7 +106,7 @@ static bool open_probe(client *c) {
     }
     s->probe_us = c->private_timer.now_us;
     s->text_first = 1;
-    if (WITH_TEXTS && (!c->private_drive.lease_active || !c->private_conditions.override_known)) {
+    if (asks_again(c)) {
         roburoc4_discovery_ask_again(d, c->private_values.io_counts);
     }
     if (s->probe_kind == 0) {

@@ -524,6 +524,10 @@ TEST_F(Move, ACancelledMoveStopsTheRobot) {
     pass(second);
     EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, roburoc4_move_step(&move, &client, now()));
     EXPECT_EQ(0, move.linear_m_s);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, &options));
+    roburoc4_move_cancel(&move, &client, now());
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, roburoc4_move_step(&move, &client, now()))
+        << "not begun yet";
 }
 
 TEST_F(Move, ThatHasEndedKeepsItsResultWhenItIsCancelled) {
