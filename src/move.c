@@ -450,6 +450,7 @@ static void note_change(roburoc4_move *m, const int64_t *before, uint32_t passed
     const int32_t apart = (int32_t)(m->private_pose_cycles - m->private_speed_cycles);
     news->moved = memcmp(before, m->private_pose, sizeof m->private_pose) != 0;
     news->prompt = news->moved && passed <= m->private_pose_gap + 1U;
+    news->repeated = !news->moved;
     news->ahead_s = 0.01F * (float)(apart > 30 ? 30 : apart < -30 ? -30 : apart);
     /* the shortest of late: a program may subscribe to them less often */
     m->private_pose_gap = passed > m->private_pose_gap ? count_on(m->private_pose_gap, 1)
@@ -463,7 +464,7 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
     const float sent[BOTH] = {v->sent_linear_m_s, v->sent_angular_rad_s};
     const float passed_s = seconds_of(passed_us);
     const uint64_t last_pose = m->private_pose_cycles;
-    roburoc4_move_news news = {v->speed_cycles != m->private_speed_cycles, false, false, 0};
+    roburoc4_move_news news = {v->speed_cycles != m->private_speed_cycles, false, false, false, 0};
     const bool pose =
         m->private_posed && v->pose_cycles != 0 && v->pose_cycles != m->private_pose_cycles;
     for (uint32_t i = 0; i < BOTH; i++) {

@@ -250,7 +250,7 @@ static float covers(roburoc4_move *m, float passed_s, float late_s, roburoc4_mov
     roburoc4_private_fit *f = &m->private_fit;
     const float speed = m->private_speed[axis] * roburoc4_move_stretch(m, axis);
     f->since_s = news.moved ? 0 : lesser(f->since_s + passed_s, POSE_AGE_S);
-    if (news.prompt || (news.speeds && order_of(f->since_s) >= order_of(POSE_AGE_S))) {
+    if (news.prompt || (news.repeated && order_of(f->since_s) >= order_of(POSE_AGE_S))) {
         f->shift = m->private_covered[axis] - m->private_by_speeds[axis] - news.ahead_s * speed;
     }
     return m->private_by_speeds[axis] + f->shift + lesser(late_s, LATE_MOST_S) * speed;

@@ -81,6 +81,7 @@ typedef struct roburoc4_move_news {
     bool speeds;   /* there is a status of speeds */
     bool moved;    /* another pose than before (some robots compute it seldom, and repeat it) */
     bool prompt;   /* that, and no status was lost before it, so it is no older than it looks */
+    bool repeated; /* the same pose as before */
     float ahead_s; /* by so much it is newer than the speeds */
 } roburoc4_move_news;
 

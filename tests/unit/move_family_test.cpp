@@ -529,6 +529,18 @@ TEST_F(MoveFault, AJumpOfThePoseEndsIt) {
     EXPECT_LT(drove(), 1.5);
 }
 
+TEST_F(MoveFault, APoseThatIsSilentForAWhileCostsNoAccuracy) {
+    arm();
+    double furthest_m = 0;
+    const std::uint32_t silent_from_ms = rig.now_ms + 2200;
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, by(1, 0, [&] {
+                  const bool silent = rig.now_ms - silent_from_ms < 800;
+                  rig.robot.silent = silent ? 1U << ROBUROC4_SERVICE_LOCALIZATION : 0;
+                  furthest_m = std::fmax(furthest_m, rig.robot.distance_m - begin_m);
+              }));
+    EXPECT_LT(furthest_m, 1.03);
+}
+
 TEST_F(MoveFault, ASilentLocalizationEndsIt) {
     arm();
     EXPECT_EQ(ROBUROC4_MOVE_LOST, by(2, 0, [&] {
