@@ -600,6 +600,17 @@ TEST_F(Gate, AStopRightBeforeTheBridgeHungHoldsUntilAPauseAfterwards) {
     EXPECT_EQ(GATE_TAKEN, judge(command(), armable));
 }
 
+TEST_F(Gate, TheTimeInWhichTheBridgeHungIsNoPause) {
+    gate_hold(&gate, us());
+    run(GATE_PAUSE_US / 2);
+    const std::uint64_t since_us = us();
+    run(2 * second);
+    gate_was_stalled(&gate, since_us, us());
+    EXPECT_TRUE(gate_is_waiting(&gate, us()));
+    run(GATE_PAUSE_US / 2);
+    EXPECT_FALSE(gate_is_waiting(&gate, us()));
+}
+
 TEST_F(Gate, ZerosCountAsAPauseButAreRejectedDuringIt) {
     gate_hold(&gate, us());
     EXPECT_EQ(GATE_DISARMED, stream(450 * ms, armable, true));

@@ -112,6 +112,8 @@ class Moving : public testing::Test {
                 std::max(most_turned, std::fabs(wrapped(s.true_theta_rad - start.true_theta_rad)));
         }
         took_s = static_cast<double>(now() - begun_us) * 1e-6;
+        EXPECT_TRUE(move.outcome == ROBUROC4_MOVE_RUNNING ||
+                    (move.linear_m_s == 0 && move.angular_rad_s == 0));
         return move.outcome;
     }
     /** Ahead and to the left of where the last move started, and turned since. */
@@ -261,6 +263,7 @@ TEST_F(Move, BackwardAndToTheRightAreNegative) {
     ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(-1.0));
     EXPECT_NEAR(-1.0, turned(), 1 * degree);
     EXPECT_NEAR(-1.0, move.angle_rad, 1 * degree);
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(-4));
 }
 
 TEST_F(Move, SmallAndNoMovesAreReached) {
