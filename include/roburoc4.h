@@ -180,8 +180,10 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 /* drive a robot of which the client does not know [A], such as one without a game pad. YOU know
  * that nobody will press [A]: the client does not see it. It waits until the texts that could name
  * an IO card, or [A] on it, were given, refused, or asked for in vain. While it drives it goes on
- * asking; once [A] is known, it is obeyed (to see it, the client disarms for a moment). A listed IO
- * card must report its counts; one that iocard_id or the index of [A] asks for must be there */
+ * asking; once [A] is known, it is obeyed (to see it, the client disarms for a moment). An index of
+ * [A] that the card does not have says that there is none. The card must be listed if iocard_id or
+ * an index of [A] is set, and report its counts if it is; and the robot may not list more services,
+ * nor have more inputs, than the client stores */
 #define ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE 0x02
 /* stay armed when another client commands; also for a robot that reports ramped targets */
 #define ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER 0x04
@@ -645,7 +647,7 @@ typedef struct roburoc4_private_discovery {
     uint8_t claims[ROBUROC4_MAX_SERVICES];
     uint8_t text_due, doubted, doubted_list, doubted_roles;
     uint16_t doubted_index;
-    uint8_t reserved[2];
+    uint8_t truncated, reserved;
     uint64_t bumpers[2];
 } roburoc4_private_discovery;
 

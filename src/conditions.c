@@ -15,10 +15,13 @@ bool roburoc4_conditions_may_have_pad(const client *c) {
     const roburoc4_config *config = &c->private_config;
     const bool automatic = config->role_index[ROBUROC4_ROLE_OVERRIDE] == ROBUROC4_INDEX_AUTO;
     if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
-        return !automatic || config->iocard_id >= 0 || roburoc4_discovery_doubtful(d, config);
+        return !automatic || config->iocard_id >= 0 || d->truncated != 0 ||
+               roburoc4_discovery_doubtful(d, config);
     }
+    const int32_t *counts = c->private_values.io_counts;
     return (d->known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0 ||
-           (automatic && !roburoc4_discovery_inputs_passed(d, c->private_values.io_counts)) ||
+           (automatic && (counts[ROBUROC4_IO_DIGITAL_INPUT] > ROBUROC4_MAX_DIGITAL_INPUTS ||
+                          !roburoc4_discovery_inputs_passed(d, counts))) ||
            index_of_role(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
 }
 

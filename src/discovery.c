@@ -59,7 +59,8 @@ bool roburoc4_discovery_directory(discovery *d, const roburoc4_directory *direct
         d->types[i] = entry.type;
         d->ids[i] = entry.id;
     }
-    return directory->count > ROBUROC4_MAX_SERVICES;
+    d->truncated = directory->count > ROBUROC4_MAX_SERVICES;
+    return d->truncated != 0;
 }
 
 static uint8_t kind_of_type(uint16_t type) {

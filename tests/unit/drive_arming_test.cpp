@@ -662,6 +662,30 @@ TEST(UnknownOverride, IsNotAllowedIfTheCardThatWasSetIsNotListed) {
     EXPECT_EQ(ROBUROC4_ERR_NOT_SUBSCRIBED, bench.arm());
 }
 
+TEST(UnknownOverride, IsNotAllowedWhereNotEverythingCanBeLookedAt) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    for (const bool services : {true, false}) {
+        ScriptedRobot robot;
+        if (services) {
+            robot.remove(ROBUROC4_SERVICE_IOCARD);
+            for (std::uint16_t id = 20; id < 34; id++) {
+                ScriptedService laser = robot.services.back();
+                laser.kind = ROBUROC4_SERVICE_COUNT;
+                laser.id = id;
+                laser.type = ROBUROC4_TYPE_LASER;
+                robot.services.push_back(laser);
+            }
+        } else {
+            robot.iocard.digital_inputs = 65;
+        }
+        Bench bench(robot, config);
+        bench.ready();
+        bench.run(20 * second);
+        EXPECT_GT(0, bench.arm()) << services;
+    }
+}
+
 /* A short outage while texts are read must not hide [A] for good. */
 TEST(UnknownOverride, IsLookedForWhileTheRobotIsDriven) {
     roburoc4_config config = default_config();
