@@ -444,7 +444,7 @@ static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
     }
 }
 
-/** A pose was taken over; whether it is another one than before, and of what age. */
+/** What the pose that was just taken over shows; `passed` cycles after the one before. */
 static void note_change(roburoc4_move *m, const int64_t *before, uint32_t passed,
                         roburoc4_move_news *news) {
     const int32_t apart = (int32_t)(m->private_pose_cycles - m->private_speed_cycles);
@@ -452,7 +452,7 @@ static void note_change(roburoc4_move *m, const int64_t *before, uint32_t passed
     news->prompt = news->moved && passed <= m->private_pose_gap + 1U;
     news->repeated = !news->moved;
     news->ahead_s = 0.01F * (float)(apart > 30 ? 30 : apart < -30 ? -30 : apart);
-    /* the shortest of late: a program may subscribe to them less often */
+    /* the shortest one lately, as a program may subscribe less often meanwhile */
     m->private_pose_gap = passed > m->private_pose_gap ? count_on(m->private_pose_gap, 1)
                           : passed != 0                ? (uint8_t)passed
                                                        : m->private_pose_gap;
