@@ -647,7 +647,7 @@ typedef struct roburoc4_private_discovery {
     uint8_t claims[ROBUROC4_MAX_SERVICES];
     uint8_t text_due, doubted, doubted_list, doubted_roles;
     uint16_t doubted_index;
-    uint8_t truncated, reserved;
+    uint8_t truncated, reserved; /* truncated: the robot lists more services than fit */
     uint64_t bumpers[2];
 } roburoc4_private_discovery;
 

@@ -369,9 +369,25 @@ static void cover(roburoc4_move *m, float distance_m, float across_m, float angl
     m->angle_rad += angle_rad;
 }
 
-/** Follow the pose; false if it jumped by more than any speed explains. */
-static bool note_pose(roburoc4_move *m, const roburoc4_move_view *v) {
-    const float passed_s = seconds_in(cycles_from(m->private_pose_cycles, v->pose_cycles));
+/** As far as such a counter goes. */
+static uint8_t count_on(uint8_t cycles, uint32_t passed) {
+    return passed < (uint32_t)UINT8_MAX - cycles ? (uint8_t)(cycles + passed) : UINT8_MAX;
+}
+
+/** The shortest time between two poses lately, as a program may subscribe less often meanwhile. */
+static void note_gap(roburoc4_move *m, uint32_t passed) {
+    if (passed > m->private_pose_gap) {
+        m->private_pose_gap = count_on(m->private_pose_gap, 1);
+    } else if (passed != 0) {
+        m->private_pose_gap = (uint8_t)passed;
+    }
+}
+
+/** Follow the pose, and say what is new in it; false if it jumped by more than any speed explains.
+ */
+static bool note_pose(roburoc4_move *m, const roburoc4_move_view *v, roburoc4_move_news *news) {
+    const uint32_t passed = cycles_from(m->private_pose_cycles, v->pose_cycles);
+    const float passed_s = seconds_in(passed);
     const int64_t pose[] = {fixed(v->x_m), fixed(v->y_m), fixed(v->theta_rad)};
     if (m->private_posed) {
         const float x = unfixed(pose[0] - m->private_pose[0]);
@@ -392,6 +408,11 @@ static bool note_pose(roburoc4_move *m, const roburoc4_move_view *v) {
         cover(m, distance_m * m->private_per_pose[LENGTH], across_m * m->private_per_pose[LENGTH],
               turned * m->private_per_pose[ANGLE]);
     }
+    news->moved = memcmp(pose, m->private_pose, sizeof pose) != 0;
+    news->repeated = !news->moved;
+    news->prompt = news->moved && passed <= m->private_pose_gap + 1U;
+    news->ahead_s = seconds_in((uint32_t)(v->pose_cycles - m->private_speed_cycles));
+    note_gap(m, passed);
     m->private_pose_cycles = v->pose_cycles;
     memcpy(m->private_pose, pose, sizeof pose);
     return true;
@@ -400,11 +421,6 @@ static bool note_pose(roburoc4_move *m, const roburoc4_move_view *v) {
 bool roburoc4_move_rolls(const roburoc4_move *m) {
     return beyond(m->private_speed[LENGTH], rest_speed[LENGTH]) ||
            beyond(m->private_speed[ANGLE], rest_speed[ANGLE]);
-}
-
-/** As far as such a counter goes. */
-static uint8_t count_on(uint8_t cycles, uint32_t passed) {
-    return passed < (uint32_t)UINT8_MAX - cycles ? (uint8_t)(cycles + passed) : UINT8_MAX;
 }
 
 /** How long the robot has stood; a single speed may be noise. */
@@ -444,26 +460,11 @@ static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
     }
 }
 
-/** What the pose that was just taken over shows; `passed` cycles after the one before. */
-static void note_change(roburoc4_move *m, const int64_t *before, uint32_t passed,
-                        roburoc4_move_news *news) {
-    const int32_t apart = (int32_t)(m->private_pose_cycles - m->private_speed_cycles);
-    news->moved = memcmp(before, m->private_pose, sizeof m->private_pose) != 0;
-    news->prompt = news->moved && passed <= m->private_pose_gap + 1U;
-    news->repeated = !news->moved;
-    news->ahead_s = 0.01F * (float)(apart > 30 ? 30 : apart < -30 ? -30 : apart);
-    /* the shortest one lately, as a program may subscribe less often meanwhile */
-    m->private_pose_gap = passed > m->private_pose_gap ? count_on(m->private_pose_gap, 1)
-                          : passed != 0                ? (uint8_t)passed
-                                                       : m->private_pose_gap;
-}
-
 /** Take what is new in the view, and note when it arrived; false if the pose jumped. */
 static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t passed_us,
                       uint64_t now_us) {
     const float sent[BOTH] = {v->sent_linear_m_s, v->sent_angular_rad_s};
     const float passed_s = seconds_of(passed_us);
-    const uint64_t last_pose = m->private_pose_cycles;
     roburoc4_move_news news = {v->speed_cycles != m->private_speed_cycles, false, false, false, 0};
     const bool pose =
         m->private_posed && v->pose_cycles != 0 && v->pose_cycles != m->private_pose_cycles;
@@ -479,16 +480,10 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
     if (pose) {
         m->private_pose_us = now_us;
     }
-    int64_t before[3];
-    memcpy(before, m->private_pose, sizeof before);
-    if (m->private_posed &&
-        (v->relocalized != m->private_relocalized || (pose && !note_pose(m, v)))) {
-        return false;
-    }
-    if (pose) {
-        note_change(m, before, cycles_from(last_pose, v->pose_cycles), &news);
-    } else if (!m->private_posed) {
+    if (!m->private_posed) {
         news.moved = news.prompt = news.speeds;
+    } else if (v->relocalized != m->private_relocalized || (pose && !note_pose(m, v, &news))) {
+        return false;
     }
     const float late_s = seconds_of((uint32_t)(now_us - m->private_heard_us));
     if (roburoc4_move_axis_learn(m, passed_s, late_s, news) && m->private_kind < FOR &&
@@ -795,7 +790,8 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
     m->private_per_pose[LENGTH] = factor(v->true_per_pose_m);
     m->private_per_pose[ANGLE] = factor(v->true_per_pose_rad);
     if (v->pose_cycles != 0 && !rest) {
-        (void)note_pose(m, v);
+        roburoc4_move_news first;
+        (void)note_pose(m, v, &first);
         m->private_posed = 1;
         m->private_pose_gap = UINT8_MAX;
     }

@@ -57,7 +57,7 @@ enum { STEADY, JOLTED = 4, SLOWER, FASTER };
 #define FOLLOWS_S 0.6F
 /* A pose that is repeated for longer is that of a robot that stands. */
 #define POSE_AGE_S 0.61F
-/* So long it goes on with the speed that it reported last. */
+/* A speed is carried on for no longer, from its status to a pose or to now. */
 #define LATE_MOST_S 0.3F
 /* No command changes a speed so fast: something stopped the wheels, or let them go. What was
  * learned is wrong then, until they roll again. */
@@ -118,10 +118,12 @@ float roburoc4_move_axis_seconds(const roburoc4_move *m, uint32_t axis, float wa
 }
 
 /** Learn anew, of a robot at rest. */
-static void learn_anew(roburoc4_move *m, float commanded, float covered) {
+static void learn_anew(roburoc4_move *m) {
     static const float mean[FITS] = {1, LAG_MEAN, BEND_MEAN, DELAY_MEAN, 0};
     static const float deviation[FITS] = {GAIN_SPREAD, LAG_SPREAD, BEND_SPREAD, DELAY_SPREAD,
                                           OFFSET_SPREAD};
+    const uint32_t axis = roburoc4_move_axis(m);
+    const float commanded = m->private_commanded[axis], covered = m->private_covered[axis];
     roburoc4_private_fit *f = &m->private_fit;
     memset(f, 0, sizeof *f);
     for (uint32_t i = 0; i < FITS; i++) {
@@ -129,7 +131,7 @@ static void learn_anew(roburoc4_move *m, float commanded, float covered) {
         f->spread[i][i] = deviation[i] * deviation[i];
     }
     f->gain = 1;
-    f->shift = covered - m->private_by_speeds[roburoc4_move_axis(m)];
+    f->shift = covered - m->private_by_speeds[axis];
     f->spread[LAG][BEND] = f->spread[BEND][LAG] = LAG_AND_BEND * LAG_SPREAD * BEND_SPREAD;
     for (uint32_t i = 0; i < TIMES; i++) {
         f->smooth[COMMANDED][i] = commanded;
@@ -144,7 +146,7 @@ static void learn_anew(roburoc4_move *m, float commanded, float covered) {
 
 void roburoc4_move_axis_again(roburoc4_move *m) {
     const uint32_t axis = roburoc4_move_axis(m);
-    learn_anew(m, m->private_commanded[axis], m->private_covered[axis]);
+    learn_anew(m);
     m->private_patience_s =
         SETTLE_TIMES * roburoc4_move_axis_seconds(m, axis, roburoc4_move_left(m, axis)) +
         SETTLE_MARGIN_S;
@@ -251,7 +253,8 @@ static float covers(roburoc4_move *m, float passed_s, float late_s, roburoc4_mov
     const float speed = m->private_speed[axis] * roburoc4_move_stretch(m, axis);
     f->since_s = news.moved ? 0 : lesser(f->since_s + passed_s, POSE_AGE_S);
     if (news.prompt || (news.repeated && order_of(f->since_s) >= order_of(POSE_AGE_S))) {
-        f->shift = m->private_covered[axis] - m->private_by_speeds[axis] - news.ahead_s * speed;
+        f->shift = m->private_covered[axis] - m->private_by_speeds[axis] -
+                   within(news.ahead_s, LATE_MOST_S) * speed;
     }
     return m->private_by_speeds[axis] + f->shift + lesser(late_s, LATE_MOST_S) * speed;
 }

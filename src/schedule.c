@@ -91,7 +91,8 @@ static bool texts_wait(const client *c) {
             (c->private_drive.stopping && c->private_conditions.override_known));
 }
 
-/** Whether texts that were given up are asked for again: [A] always, others while nobody drives. */
+/** Texts that were given up are asked for again while nobody drives, or as long as [A] is not
+ * known. */
 static bool asks_again(const client *c) {
     return WITH_TEXTS && (!c->private_drive.lease_active || !c->private_conditions.override_known);
 }

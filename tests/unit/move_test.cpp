@@ -1500,7 +1500,7 @@ TEST(MoveOfAClient, APoseThatIsSeenIsNotScaled) {
     }
 }
 
-static void expect_obstacles_ahead_only(bool is_nan) {
+static void expect_obstacles_ahead_only(float distance_m) {
     const std::tuple<float, float, std::int32_t> rows[] = {
         {1.0F, 1.57F, ROBUROC4_MOVE_RUNNING},  {-1.0F, -1.57F, ROBUROC4_MOVE_RUNNING},
         {1.0F, 3.14F, ROBUROC4_MOVE_RUNNING},  {-1.0F, 0, ROBUROC4_MOVE_RUNNING},
@@ -1510,9 +1510,7 @@ static void expect_obstacles_ahead_only(bool is_nan) {
     for (const auto &[way_m, theta_rad, result] : rows) {
         roburoc4_tests::ScriptedRobot robot;
         robot.telemeters[0].theta_rad = theta_rad;
-        robot.distances[0] = 0.1F;
-        if (is_nan) /* what is not known is near */
-            robot.distances[0] = static_cast<float>(no_number);
+        robot.distances[0] = distance_m;
         if (result == ROBUROC4_MOVE_OBSTACLE) { /* the nearest one counts */
             robot.telemeters[1].theta_rad = way_m > 0 ? 0 : 3.14F;
             robot.distances[1] = 9;
@@ -1532,8 +1530,8 @@ static void expect_obstacles_ahead_only(bool is_nan) {
 }
 
 TEST(MoveOfAClient, WhatATelemeterSeesBesideOrBehindIsNoObstacle) {
-    expect_obstacles_ahead_only(false);
-    expect_obstacles_ahead_only(true);
+    expect_obstacles_ahead_only(0.1F);
+    expect_obstacles_ahead_only(static_cast<float>(no_number)); /* what is not known is near */
 }
 
 TEST(MoveOfAClient, ATelemeterWhoseBeamPassesByDoesNotSeeWhatIsAhead) {
