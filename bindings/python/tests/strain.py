@@ -13,7 +13,7 @@ from collections.abc import Generator
 import pytest
 
 _NAP_S = 0.01
-_TOO_LATE_S = 0.1
+_TOO_LATE_S = 0.05
 """The tightest promise that is tested leaves 150 ms for the machine."""
 
 
