@@ -126,7 +126,7 @@ def test_before_anybody_lifts_the_robot_it_says_whether_the_library_stays_armed(
     contact.session.known["queue_iocard_ms"] = late_ms
     world.ask.return_value = answer
     robot_file.save(tmp_path / "robot.txt", {"override_index": 8})
-    with Simulator(port=0, queue_iocard_ms=late_ms) as sim:
+    with Simulator(port=0, queue_iocard_ms=late_ms) as sim, patch.object(ground, "_TRIES", 1):
         options = Mock(folder=tmp_path, robot=sim.address)
         assert first_contact._is_worth_lifting(contact, options, world) is lifted
         assert sim.state.nonzero_speed_commands == 0
@@ -142,7 +142,8 @@ def test_a_robot_on_which_the_library_does_not_stay_armed_is_not_lifted_down(
 ) -> None:
     contact, world = Contact(Mock(now_s=0.0)), Mock()
     robot_file.save(tmp_path / "robot.txt", {"override_index": 8})
-    with Simulator(port=0, queue_iocard_ms=1500) as sim:  # beyond the patience of tests
+    # beyond the patience of tests
+    with Simulator(port=0, queue_iocard_ms=1500) as sim, patch.object(ground, "_TRIES", 1):
         options = Mock(folder=tmp_path, robot=sim.address)
         first_contact._ground(contact, options, world, "drive.pcapng")
         assert sim.state.nonzero_speed_commands == 0
