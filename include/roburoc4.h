@@ -177,13 +177,15 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 /* preserve curvature: if a speed, or that of the outer wheels, exceeds its limit, reduce both by
  * the same factor */
 #define ROBUROC4_OPTION_TURN_KEEPING 0x01
-/* drive a robot of which the client does not know [A], such as one without a game pad. YOU know
- * that nobody will press [A]: the client does not see it. It waits until the texts that could name
- * an IO card, or [A] on it, were given, refused, or asked for in vain. While it drives it goes on
- * asking; once [A] is known, it is obeyed (to see it, the client disarms for a moment). An index of
- * [A] that the card does not have says that there is none. The card must be listed if iocard_id or
- * an index of [A] is set, and report its counts if it is; and the robot may not list more services,
- * nor have more inputs, than the client stores */
+/* drive a robot of which no text names [A], such as one without a game pad. YOU know that nobody
+ * will press [A]: the client does not see it. It waits until the text of every input was given,
+ * refused, or asked for in vain, which takes up to 8 s for each; and, where it finds no IO card,
+ * until every service of an unknown type has given or refused its own. Later it asks again for
+ * those that did not come (in fixed-id mode, while it is not armed); once a text names [A], the
+ * client disarms until it is sure of it, and then obeys it. An index of [A] that the card does not
+ * have says that there is none. The card must be listed if iocard_id or an index of [A] is set, and
+ * report its counts if it is; and the robot may list no more services than the client stores, and
+ * have no more digital inputs */
 #define ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE 0x02
 /* stay armed when another client commands; also for a robot that reports ramped targets */
 #define ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER 0x04

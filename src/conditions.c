@@ -10,19 +10,28 @@ static bool fresh(const client *c, uint32_t service, uint64_t now_us, timer *t) 
                                c->private_config.fresh_ms * MS, now_us, t);
 }
 
-bool roburoc4_conditions_may_have_pad(const client *c) {
+/** Either the texts of all inputs were given, refused, or asked for in vain, or there is no card;
+ * and no text names [A]. */
+static bool nothing_names_pad(const client *c, bool card) {
     const discovery *d = &c->private_discovery;
-    const roburoc4_config *config = &c->private_config;
-    const bool automatic = config->role_index[ROBUROC4_ROLE_OVERRIDE] == ROBUROC4_INDEX_AUTO;
-    if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
-        return !automatic || config->iocard_id >= 0 || d->truncated != 0 ||
-               roburoc4_discovery_doubtful(d, config);
-    }
     const int32_t *counts = c->private_values.io_counts;
-    return (d->known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0 ||
-           (automatic && (counts[ROBUROC4_IO_DIGITAL_INPUT] > ROBUROC4_MAX_DIGITAL_INPUTS ||
-                          !roburoc4_discovery_inputs_passed(d, counts))) ||
-           index_of_role(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
+    const bool passed = card ? roburoc4_discovery_inputs_passed(d, counts)
+                             : c->private_config.iocard_id < 0 &&
+                                   !roburoc4_discovery_doubtful(d, &c->private_config);
+    return passed && counts[ROBUROC4_IO_DIGITAL_INPUT] <= ROBUROC4_MAX_DIGITAL_INPUTS &&
+           d->role_texts[ROBUROC4_ROLE_OVERRIDE] == ROLE_TEXT_NONE;
+}
+
+bool roburoc4_conditions_without_pad(const client *c) {
+    const discovery *d = &c->private_discovery;
+    const bool automatic =
+        c->private_config.role_index[ROBUROC4_ROLE_OVERRIDE] == ROBUROC4_INDEX_AUTO;
+    const bool card = (d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) != 0;
+    const bool counted = (d->known & service_bit(ROBUROC4_SERVICE_IOCARD)) != 0;
+    return (c->private_config.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0 &&
+           d->truncated == 0 && (counted || (automatic && !card)) &&
+           index_of_role(c, ROBUROC4_ROLE_OVERRIDE) < 0 &&
+           (!automatic || nothing_names_pad(c, card));
 }
 
 /** Why there is no fresh status of a service: `stale`, unless there is no subscription. A service
@@ -57,7 +66,6 @@ static bool commanded_by_another(const client *c) {
 
 /** Why driving is not allowed now, or 0. */
 static roburoc4_result refusal(const client *c, uint64_t now_us, timer *t) {
-    const uint32_t options = c->private_config.options;
     if (c->private_state != ROBUROC4_STATE_READY) {
         return ROBUROC4_ERR_NOT_READY;
     }
@@ -70,8 +78,7 @@ static roburoc4_result refusal(const client *c, uint64_t now_us, timer *t) {
     if (!fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, now_us, t)) {
         return not_fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, ROBUROC4_ERR_STALE_DIFFERENTIAL);
     }
-    if ((options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) == 0 ||
-        roburoc4_conditions_may_have_pad(c)) {
+    if (!roburoc4_conditions_without_pad(c)) {
         if (!fresh(c, ROBUROC4_SERVICE_IOCARD, now_us, t)) {
             return not_fresh(c, ROBUROC4_SERVICE_IOCARD, ROBUROC4_ERR_STALE_IOCARD);
         }

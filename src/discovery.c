@@ -443,7 +443,7 @@ bool roburoc4_discovery_next_text(const discovery *d, const requests *r, const i
             out->action = ROBUROC4_ACTION_QUERY;
             out->kind = directory ? ROBUROC4_SERVICE_DIRECTORY : ROBUROC4_SERVICE_IOCARD;
             out->detail = list;
-            out->max_tries = d->texts_done ? LATER_TEXT_TRIES : TEXT_TRIES;
+            out->max_tries = TEXT_TRIES;
             out->target =
                 directory ? ROBUROC4_SERVICE_DIRECTORY : d->service_ids[ROBUROC4_SERVICE_IOCARD];
             out->subject = (uint16_t)index;

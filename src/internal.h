@@ -354,7 +354,6 @@ bool roburoc4_discovery_believe(discovery *d, const int32_t *io_counts);
 void roburoc4_discovery_text_given_up(discovery *d, uint32_t list, uint32_t index);
 
 #define TEXT_TRIES 10
-#define LATER_TEXT_TRIES 4
 /** Texts to request: of services that nothing else identifies; also of digital inputs; all. The
  * value is how many lists are searched, in the order of roburoc4_discovery_next_text(). */
 typedef enum text_choice {
@@ -526,10 +525,9 @@ void roburoc4_subscriptions_renew_silent(subscriptions *s, const roburoc4_config
 
 /* ---- conditions.c ---- */
 
-/** Whether an input may be the game pad's [A]. Until the services are known, the IO card's
- * properties were read and its texts were requested, there may be one. A configured override input
- * exists unless the card has fewer inputs. */
-bool roburoc4_conditions_may_have_pad(const roburoc4_client *c);
+/** Whether no text names the game pad's [A], as far as texts can be read, and the user has allowed
+ * to drive without it. A configured input exists unless the card has fewer inputs. */
+bool roburoc4_conditions_without_pad(const roburoc4_client *c);
 /** Pass the time and the conditions of driving to the drive state machine. */
 void roburoc4_conditions_tick(roburoc4_client *c);
 /** Raise the event of a client that became armable. */

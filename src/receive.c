@@ -263,8 +263,7 @@ static bool pad_is_released(const client *c) {
     return c->private_conditions.override_known
                ? services[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)].robot_cycles >=
                      services[STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL)].robot_cycles
-               : (c->private_config.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0 &&
-                     !roburoc4_conditions_may_have_pad(c);
+               : roburoc4_conditions_without_pad(c);
 }
 
 static void take_speeds(client *c, const roburoc4_differential_status *status) {

@@ -289,7 +289,7 @@ TEST(Description, ThatIsRefusedIsNotRequestedAgain) {
 
 /* ---- errors ---- */
 
-TEST(Description, ThatIsMissingIsRequestedOnceASecondLater) {
+TEST(Description, ThatIsMissingIsRequestedLater) {
     ScriptedRobot robot;
     robot.texts_silent = true;
     Bench bench(robot);
@@ -301,7 +301,7 @@ TEST(Description, ThatIsMissingIsRequestedOnceASecondLater) {
     std::set<std::pair<int, int>> texts;
     for (const Request &r : robot.seen(ROBUROC4_ACTION_QUERY))
         texts.emplace(r.what.service == 0 ? -1 : r.what.io_type, r.what.index);
-    EXPECT_NEAR(20, static_cast<double>(texts.size()), 1);
+    EXPECT_NEAR(9, static_cast<double>(texts.size()), 1) << "each for as long as a late one takes";
 }
 
 TEST(ErrorTelegram, OfOneToFiveBytesEndsTheRequestThatItFits) {

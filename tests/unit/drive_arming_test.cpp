@@ -651,6 +651,25 @@ TEST(UnknownOverride, IsNotAllowedWhileAServiceIsNotKnown) {
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }
 
+TEST(UnknownOverride, IsNotAllowedWhereATextNamesIt) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    for (const bool doubly : {true, false}) {
+        ScriptedRobot robot;
+        robot.channel_text = [&](std::uint32_t, std::uint32_t index) {
+            return std::string(index == 4 || (doubly && index == 5) ? "Game pad A" : "spare");
+        };
+        robot.instead = [&](const roburoc4_request &request, std::vector<Bytes> &) {
+            return !doubly && request.action == ROBUROC4_ACTION_QUERY && request.index == 5;
+        };
+        Bench bench(robot, config);
+        bench.ready();
+        bench.run(60 * second);
+        EXPECT_EQ(1, bench.facts().descriptions_done);
+        EXPECT_EQ(ROBUROC4_ERR_OVERRIDE_UNKNOWN, bench.arm()) << doubly;
+    }
+}
+
 TEST(UnknownOverride, IsNotAllowedIfTheCardThatWasSetIsNotListed) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
@@ -665,10 +684,13 @@ TEST(UnknownOverride, IsNotAllowedIfTheCardThatWasSetIsNotListed) {
 TEST(UnknownOverride, IsNotAllowedWhereNotEverythingCanBeLookedAt) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
-    for (const bool services : {true, false}) {
+    for (const int way : {0, 1, 2}) {
         ScriptedRobot robot;
-        if (services) {
-            robot.remove(ROBUROC4_SERVICE_IOCARD);
+        config.role_index[ROBUROC4_ROLE_OVERRIDE] = way == 1 ? 40 : ROBUROC4_INDEX_AUTO;
+        if (way < 2) {
+            if (way == 0)
+                robot.remove(ROBUROC4_SERVICE_IOCARD);
+            robot.texts_refused = way == 1;
             for (std::uint16_t id = 20; id < 34; id++) {
                 ScriptedService laser = robot.services.back();
                 laser.kind = ROBUROC4_SERVICE_COUNT;
@@ -682,7 +704,7 @@ TEST(UnknownOverride, IsNotAllowedWhereNotEverythingCanBeLookedAt) {
         Bench bench(robot, config);
         bench.ready();
         bench.run(20 * second);
-        EXPECT_GT(0, bench.arm()) << services;
+        EXPECT_GT(0, bench.arm()) << way;
     }
 }
 
@@ -698,9 +720,8 @@ TEST(UnknownOverride, IsLookedForWhileTheRobotIsDriven) {
     robot.texts_silent = false;
     EXPECT_EQ(ROBUROC4_ERR_OVERRIDE_UNKNOWN, bench.drive_until_refused(0.3F, 0, 60 * second))
         << "found, but not seen yet";
-    bench.run(second);
+    ASSERT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }, 60 * second));
     EXPECT_EQ(1, bench.facts().override_known);
-    ASSERT_EQ(ROBUROC4_OK, bench.arm());
     robot.press(ROBUROC4_DI_PAD_A);
     bench.run(60 * ms);
     EXPECT_EQ(0, bench.facts().armed);

@@ -179,3 +179,21 @@ TEST(Bumper, IsUnknownUntilAStatusOfTheFoundRobotAndAfterALoss) {
     for (const std::uint32_t age : lost.age_us)
         EXPECT_EQ(UINT32_MAX, age);
 }
+
+/* The family's texts are up to 3 s late, and an outage may hide the first ones. */
+TEST(InputTexts, AreFoundLaterHoweverLateTheyCome) {
+    for (const std::uint32_t retry_ms : {10U, 100U})
+        for (const std::uint64_t late_us : {200 * ms, 3 * second}) {
+            roburoc4_config config = default_config();
+            config.first_retry_ms = retry_ms;
+            LateTextsRobot robot;
+            robot.texts_us = late_us;
+            robot.texts_silent = true;
+            Bench bench(robot, config);
+            bench.ready();
+            bench.run(30 * second);
+            robot.texts_silent = false;
+            EXPECT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }, 300 * second))
+                << retry_ms << " " << late_us;
+        }
+}
