@@ -585,12 +585,12 @@ static inline void see_time_of_datagram(client *c, uint64_t now_us) {
 roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size_t size,
                                         uint64_t now_us) {
     roburoc4_result result;
+    c->private_discovery.described_kind = 0;
     if (c->private_state == ROBUROC4_STATE_IDLE) {
         return ROBUROC4_ERR_STATE;
     }
     see_time_of_datagram(c, now_us);
     count_up(c, ROBUROC4_COUNT_RECEIVED);
-    c->private_discovery.described_kind = 0;
     if (size >= STATUS_HEAD && datagram[0] == ROBUROC4_HEADER_STATUS) {
         result = receive_status(c, datagram, size);
         if (!c->private_drive.armed && !c->private_conditions.armable) {

@@ -98,6 +98,12 @@ TEST_F(GateClient, ASpeedArmsAndDrivesForItsLease) {
     EXPECT_FALSE(is_waiting()) << "the end of a lease is no break";
 }
 
+TEST_F(GateClient, ArmingForAMoveIsNotCountedAsASpeed) {
+    EXPECT_EQ(GATE_TAKEN, gate_arm(&gate, &client, now_us()));
+    EXPECT_TRUE(is_armed());
+    EXPECT_EQ(0, gate.taken[GATE_DRIVE]);
+}
+
 TEST_F(GateClient, AZeroArmsNothing) {
     EXPECT_EQ(GATE_TAKEN, drive(0.0F));
     EXPECT_FALSE(is_armed());

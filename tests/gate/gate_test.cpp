@@ -370,6 +370,16 @@ TEST_F(GateWithoutAges, DoesNotForgetTheSenderInControl) {
     EXPECT_EQ("sender 0", owner());
 }
 
+TEST_F(Gate, DoesNotForgetTheSenderInControl) {
+    for (int i = 0; i < GATE_SENDERS; i++) {
+        (void)judge(command(("sender " + std::to_string(i)).c_str()));
+    }
+    gate.control_until_us += 100 * static_cast<std::uint64_t>(second);
+    run(61 * second);
+    EXPECT_EQ(GATE_CONTROL, judge(command("one more")));
+    EXPECT_EQ("sender 0", owner());
+}
+
 TEST_F(Gate, ForgetsSendersOnceTheirReplaysAreTooOld) {
     std::vector<gate_command> log;
     std::vector<std::string> names;

@@ -498,6 +498,9 @@ TEST(LcmMapping, StateHasABitForEachFault) {
                   ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_BATTERY_LOW |
                   ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_SILENT,
               v.state().faults);
+    View pressed;
+    pressed.facts.front_bumper = 1;
+    EXPECT_EQ(ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_FRONT_BUMPER, pressed.state().faults);
 }
 
 TEST(LcmMapping, TheMessageSaysWhatToDo) {

@@ -130,6 +130,18 @@ TEST(Outputs, AreSentAtOnceAndTwiceMore) {
     EXPECT_EQ(start_us + 100 * ms, robot.output_commands[2].first);
 }
 
+TEST(Outputs, ThatChangeWhileTheyAreRepeatedAreSentAnewThreeTimes) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK, set_one(bench, 3, 1));
+    bench.run(70 * ms); /* sent twice */
+    robot.output_commands.clear();
+    ASSERT_EQ(ROBUROC4_OK, set_one(bench, 4, 1));
+    bench.run(2 * second);
+    EXPECT_EQ(3U, robot.output_commands.size());
+}
+
 TEST(Outputs, AreSentToTheMicrosecondWhenPolledOnlyAtDeadlines) {
     ScriptedRobot robot;
     robot.iocard.analog_outputs = 1;

@@ -317,8 +317,10 @@ TEST_F(Move, CirclesCloseHoweverUnevenlyTheyAreStepped) {
 TEST_F(Move, APointIsReachedFromAnyPose) {
     const double points[][2] = {{2, 1}, {-1, 0.5}, {0, -2}, {0.3, 0.3}};
     for (const auto &point : points) {
+        const double way = std::atan2(point[1] - state().true_y_m, point[0] - state().true_x_m);
         ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, point[0], point[1], &options));
         ASSERT_EQ(ROBUROC4_MOVE_REACHED, go()) << move.cause;
+        EXPECT_NEAR(0.0, wrapped(way - state().true_theta_rad), 0.05) << "it drove straight";
         EXPECT_NEAR(point[0], state().true_x_m, 0.02);
         EXPECT_NEAR(point[1], state().true_y_m, 0.02);
         expect_standing();
@@ -401,6 +403,10 @@ TEST_F(Moving, CeilingsAndLimitsBoundAMove) {
     options.angular_rad_s = 1.0F;
     options.linear_m_s = 0.31F;
     EXPECT_EQ(ROBUROC4_MOVE_TOO_FAST, straight(1.0F));
+    for (const float linear_m_s : {0.11F, -0.11F}) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_for(&move, linear_m_s, 0, 1000, &options));
+        EXPECT_EQ(ROBUROC4_MOVE_TOO_FAST, go());
+    }
     EXPECT_EQ(0U, state().nonzero_speed_commands);
     options.linear_m_s = 0.3F;
     ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(1.0F)) << "the default is lowered";
@@ -795,8 +801,10 @@ TEST_F(Move, BadArgumentsAreRefused) {
 
 TEST_F(Move, OptionsOfAnotherSizeAreRefused) {
     EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_move_options_init(&options, 4));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1.0F, 0, nullptr));
     options.size = 4;
     EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_move_by(&move, 1.0F, 0, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, move.outcome);
 }
 
 TEST_F(Move, APointTooFarAwayIsRefused) {
@@ -964,13 +972,40 @@ TEST_F(MoveView, AnArcEndsWithATurnWhereItsAngleIsMissed) {
 }
 
 TEST_F(MoveView, ForATimeObeysTheRobotsOwnLimits) {
-    view.max_linear_m_s = 1;
-    view.max_angular_rad_s = 0.2F;
-    roburoc4_move_for(&move, 0.5F, 0.5F, 3000, &options);
-    for (int i = 0; i < 40; i++)
-        follow();
-    EXPECT_FLOAT_EQ(0.2F, move.angular_rad_s);
-    EXPECT_FLOAT_EQ(0.2F, move.linear_m_s) << "the same curve";
+    for (const float linear_m_s : {1.0F, 0.2F}) {
+        view.max_linear_m_s = linear_m_s;
+        view.max_angular_rad_s = 1.2F - linear_m_s;
+        roburoc4_move_for(&move, 0.5F, 0.5F, 3000, &options);
+        for (int i = 0; i < 40; i++)
+            follow();
+        EXPECT_FLOAT_EQ(0.2F, move.angular_rad_s);
+        EXPECT_FLOAT_EQ(0.2F, move.linear_m_s) << "the same curve";
+    }
+}
+
+TEST_F(MoveView, ForATimeSpeedsUpAsAskedForOnEitherAxis) {
+    for (const bool turns : {false, true}) {
+        roburoc4_move_for(&move, turns ? 0 : 0.5F, turns ? 0.5F : 0, 3000, &options);
+        step();
+        for (int i = 0; i < 40; i++) {
+            const float linear_m_s = move.linear_m_s, angular_rad_s = move.angular_rad_s;
+            step(cycle_us);
+            EXPECT_LE(move.linear_m_s - linear_m_s, options.linear_m_s2 * 0.01F + 1e-4F);
+            EXPECT_LE(move.angular_rad_s - angular_rad_s, options.angular_rad_s2 * 0.01F + 1e-4F);
+        }
+        EXPECT_GT(move.linear_m_s + move.angular_rad_s, 0.1F);
+    }
+}
+
+/* What a leg needed to get right is no business of the next. */
+TEST_F(MoveView, EachLegMayTurnBack) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_pose(&move, 1, 0, 1, &options));
+    step();
+    follow();
+    move.private_turned = 2;
+    while (x_m < 0.95 || std::fabs(move.angular_rad_s) < 0.01F)
+        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, follow());
+    EXPECT_EQ(0, move.private_turned);
 }
 
 TEST_F(MoveView, AnOverrideEndsIt) {
@@ -1029,6 +1064,17 @@ TEST_F(MoveView, BumpersThatAreNotKnownMustBeRenounced) {
     EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
     EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
     EXPECT_GT(move.linear_m_s, 0);
+}
+
+TEST_F(MoveView, ABumperThatGetsPressedAgainEndsIt) {
+    view.rear_bumper = 1;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, &options));
+    for (int i = 0; i < 10; i++)
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, follow()) << "it backs away";
+    view.rear_bumper = 0;
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, follow());
+    view.rear_bumper = 1;
+    EXPECT_EQ(ROBUROC4_MOVE_BUMPER, follow());
 }
 
 TEST_F(MoveView, ADistanceOlderThanASecondIsNotKnown) {
@@ -1535,9 +1581,11 @@ TEST(MoveOfAClient, WhatATelemeterSeesBesideOrBehindIsNoObstacle) {
 }
 
 TEST(MoveOfAClient, ATelemeterWhoseBeamPassesByDoesNotSeeWhatIsAhead) {
-    for (const float theta_rad : {0.4F, 0.7F}) {
+    for (const auto &[theta_rad, other_rad] :
+         {std::pair(0.4F, 0.4F), {0.7F, 0.7F}, {0.4F, 0.7F}, {0.7F, 0.4F}}) {
         roburoc4_tests::ScriptedRobot robot;
-        robot.telemeters[0].theta_rad = robot.telemeters[1].theta_rad = theta_rad;
+        robot.telemeters[0].theta_rad = theta_rad;
+        robot.telemeters[1].theta_rad = other_rad;
         robot.telemeters[0].field_of_view_rad = robot.telemeters[1].field_of_view_rad = 0.5F;
         roburoc4_tests::Bench bench(robot);
         bench.armed();
@@ -1547,7 +1595,8 @@ TEST(MoveOfAClient, ATelemeterWhoseBeamPassesByDoesNotSeeWhatIsAhead) {
             (void)roburoc4_move_step(&move, &bench.client, bench.now_us);
             bench.run(cycle_us);
         }
-        EXPECT_EQ(theta_rad < 0.5F ? ROBUROC4_MOVE_RUNNING : ROBUROC4_MOVE_NO_FRONT_TELEMETER,
+        EXPECT_EQ(std::min(theta_rad, other_rad) < 0.5F ? ROBUROC4_MOVE_RUNNING
+                                                        : ROBUROC4_MOVE_NO_FRONT_TELEMETER,
                   move.outcome);
     }
 }

@@ -3,6 +3,7 @@
  * The pump's promises in virtual time: each has the time that it takes, on a robot that remembers
  * every command.
  */
+#include "pcapng.h"
 #include "pump_calls.h"
 #include "roburoc4_pump.h"
 #include "system.h"
@@ -627,6 +628,21 @@ TEST_F(Pump, ExitStopsADrivingRobotAtOnce) {
     EXPECT_EQ(robot_->first_zero_us(), asked_us + sys.delay_us);
     EXPECT_LE(sys.now_us, asked_us + 300 * kMs) << "it ends when the robot has confirmed";
     EXPECT_EQ(roburoc4_pump_running(pump_), 0);
+}
+
+TEST_F(Pump, ExitEndsARecordingWithItsLastZeros) {
+    roburoc4_recorder *recorder = roburoc4_recorder_open("run.pcapng", nullptr, nullptr);
+    ASSERT_NE(recorder, nullptr);
+    create_driving();
+    ASSERT_EQ(roburoc4_pump_record(pump_, recorder), ROBUROC4_OK);
+    sleep_ms(17);
+    run_exit_handlers();
+    const auto capture = test::read_capture(sys.files.at("run.pcapng"));
+    EXPECT_TRUE(capture.has_statistics);
+    EXPECT_GE(capture.datagrams.size(), robot_->zeros_at_the_end());
+    roburoc4_pump_destroy(pump_);
+    pump_ = nullptr;
+    EXPECT_EQ(roburoc4_recorder_close(recorder, nullptr), ROBUROC4_OK);
 }
 
 TEST_F(Pump, ExitStopsAllRobotsAtTheSameTime) {

@@ -852,7 +852,9 @@ TEST_F(Bridge, AMoveThatIsNotRenewedEndsWithItsLease) {
     EXPECT_GE(robot_->last_speed_us(), sent_us + 150 * kMs);
     expect_stopped_at(sent_us + 271 * kMs); /* the shortest lease more */
     EXPECT_EQ(last_move_outcome(), ROBUROC4_MOVE_LAPSED);
+    stop();
     sleep_ms(1000);
+    EXPECT_EQ(last_move_outcome(), ROBUROC4_MOVE_LAPSED) << "it had ended before";
     EXPECT_NEAR(static_cast<double>(times_of("ROBUROC4_MOVE_STATUS").back() - sent_us), 1.15e6, 1e5)
         << "published for a second more";
 }
@@ -887,11 +889,13 @@ TEST_F(Bridge, OfASpeedAndAMoveThatAreReadTogetherTheLaterDrives) {
     for (const SpeedCommand &command : robot_->commands) {
         EXPECT_GE(command.linear_m_s, 0.0f);
     }
-    move_by(5, 7);
-    drive(-0.2);
-    sleep_ms(200);
-    EXPECT_EQ(last_move_outcome(), ROBUROC4_MOVE_CANCELLED);
-    EXPECT_FLOAT_EQ(robot_->commands.back().linear_m_s, -0.2f);
+    for (const double speed : {-0.2, 0.0}) {
+        move_by(5, speed < 0 ? 7 : 8);
+        drive(speed);
+        sleep_ms(200);
+        EXPECT_EQ(last_move_outcome(), ROBUROC4_MOVE_CANCELLED);
+        EXPECT_EQ(robot_->commands.back().linear_m_s, static_cast<float>(speed));
+    }
 }
 
 TEST_F(Bridge, AMoveOfAnotherSenderIsAnotherMove) {
