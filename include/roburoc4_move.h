@@ -166,11 +166,11 @@ typedef struct roburoc4_move {
 
 /* Begin a move in any memory. Nothing is sent: the first step plans the move.
  * options may be NULL for all defaults. ROBUROC4_ERR_NOT_FINITE: NaN or infinity.
- * ROBUROC4_ERR_ARGUMENT: more than 10 km or 10000 rad, or an option that is NaN or out of its
- * range. ROBUROC4_ERR_UNITS: an angle beyond two turns without the option for it (degrees?), or a
- * speed beyond ROBUROC4_MAX_DRIVE_M_S or _RAD_S. After an error the move is ended, as
- * ROBUROC4_MOVE_CANCELLED. A speed beyond the client's ceilings ends the move at its first step, as
- * ROBUROC4_MOVE_TOO_FAST; the default speeds are lowered to them instead. */
+ * ROBUROC4_ERR_ARGUMENT: more than 10 km (of a point, its first step says so) or 10000 rad, or an
+ * option that is NaN or out of its range. ROBUROC4_ERR_UNITS: an angle beyond two turns without the
+ * option for it (degrees?), or a speed beyond ROBUROC4_MAX_DRIVE_M_S or _RAD_S. After an error the
+ * move is ended, as ROBUROC4_MOVE_CANCELLED. A speed beyond the client's ceilings ends the move at
+ * its first step, as ROBUROC4_MOVE_TOO_FAST; the default speeds are lowered to them instead. */
 
 /** Drive this distance (negative: backward) while turning by this angle (negative: to the right; it
  * may exceed a full turn). With angle 0 the robot drives straight, with distance 0 it turns in

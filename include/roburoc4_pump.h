@@ -99,7 +99,7 @@ ROBUROC4_API roburoc4_result roburoc4_pump_close(roburoc4_pump *pump);
  * thread may use the pump afterwards. */
 ROBUROC4_API void roburoc4_pump_destroy(roburoc4_pump *pump);
 /** Record what the pump sends and receives from now on with this recorder, or with none (NULL).
- *  exit() ends the recording, too. ROBUROC4_ERR_CLOSED, also for a pump without an address. */
+ *  exit() ends the recording, too. ROBUROC4_ERR_CLOSED for a pump without an address. */
 ROBUROC4_API roburoc4_result roburoc4_pump_record(roburoc4_pump *pump, roburoc4_recorder *recorder);
 /** Take the pump's lock and get its client, for any roburoc4_client_*() call except receive(),
  *  poll_transmit(), take_events(), start() and close(), which only the pump makes. NULL in a forked
@@ -199,8 +199,9 @@ ROBUROC4_API roburoc4_result roburoc4_pump_wait_samples(roburoc4_pump *pump,
  *  none; ROBUROC4_ERR_CLOSED if no more will come. */
 ROBUROC4_API roburoc4_result roburoc4_pump_take_events(roburoc4_pump *pump,
                                                        roburoc4_pump_reader *reader);
-/** Wait at most timeout_us for one of the events in `mask` (UINT32_MAX: any). Returns those that
- *  occurred, without taking them; 0 on time-out; ROBUROC4_ERR_CLOSED if no more will come. */
+/** Wait at most timeout_us for one of the events in `mask` (UINT32_MAX: any). Returns those
+ *  of them that occurred, without taking any; 0 on time-out; ROBUROC4_ERR_CLOSED if no more will
+ * come. */
 ROBUROC4_API roburoc4_result roburoc4_pump_wait_events(roburoc4_pump *pump,
                                                        const roburoc4_pump_reader *reader,
                                                        uint32_t mask, uint32_t timeout_us);
