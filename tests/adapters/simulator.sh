@@ -39,7 +39,7 @@ if [ -n "${STALLS:-}" ]; then
     stall_watch=$!
 fi
 starved() {
-    [ -s stalls_ms ] && grep -E 'no (recent|fresh) .*status|do not arrive|not connected|in time:|lease expired' said
+    [ -s stalls_ms ] && grep -E 'no (recent|fresh) .*status|do not arrive|not connected|not known|in time:|lease expired' said
 }
 tries=$((${tries:-0} + 1))
 export tries
