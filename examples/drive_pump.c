@@ -7,8 +7,9 @@
 #include <signal.h>
 #include <stdio.h>
 
-#define RADIUS_M 0.5f
+#define RADIUS_M 0.25f
 #define TURN_RAD 6.2831853f
+#define TURN_RATE_RAD_S 1.0f
 #define AT_ONCE 64
 
 static roburoc4_pump *pump;
@@ -34,6 +35,7 @@ static void write_poses(roburoc4_pump_reader *reader, FILE *file) {
 
 int main(int argc, char **argv) {
     const float turns_rad[] = {TURN_RAD, -TURN_RAD}; /* to the left, then to the right */
+    roburoc4_move_options options;
     roburoc4_pump_reader reader = {0, 0, 0};
     roburoc4_address robot;
     roburoc4_result result = roburoc4_udp_resolve(argc > 1 ? argv[1] : "127.0.0.1", 0, &robot);
@@ -47,11 +49,13 @@ int main(int argc, char **argv) {
     if (result < 0) {
         fprintf(stderr, "drive_pump: %s\n", roburoc4_result_text(result));
     }
+    roburoc4_move_options_init(&options, sizeof options);
+    options.angular_rad_s = TURN_RATE_RAD_S;
     puts("seconds,x_m,y_m,theta_rad");
     for (int turn = 0; result >= 0 && turn < 2; turn++) {
         roburoc4_move move;
         int32_t ended;
-        roburoc4_move_by(&move, RADIUS_M * TURN_RAD, turns_rad[turn], NULL);
+        roburoc4_move_by(&move, RADIUS_M * TURN_RAD, turns_rad[turn], &options);
         ended = roburoc4_pump_move(pump, &move);
         write_poses(&reader, stdout); /* what the pump has kept meanwhile: 10,000 samples */
         if (ended != ROBUROC4_MOVE_REACHED) {

@@ -15,11 +15,11 @@ restart() {
 
 case $case_name in
 eight)
-    # Two circles of half a metre: the path reaches a metre to the left and to the right.
+    # Two circles of a quarter of a metre: the path reaches twice that to the left and to the right.
     start "$simulator_program"
     drive 0 "$drive_pump" "$robot"
     awk -F , 'NR > 1 { if ($3 > most) most = $3; if ($3 < least) least = $3 }
-        END { exit !(NR > 100 && most > 0.8 && most < 1.2 && least < -0.8 && least > -1.2) }' said
+        END { exit !(NR > 100 && most > 0.4 && most < 0.6 && least < -0.4 && least > -0.6) }' said
     ;;
 interrupted)
     start "$simulator_program"
