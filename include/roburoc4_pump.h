@@ -199,9 +199,9 @@ ROBUROC4_API roburoc4_result roburoc4_pump_wait_samples(roburoc4_pump *pump,
  *  none; ROBUROC4_ERR_CLOSED if no more will come. */
 ROBUROC4_API roburoc4_result roburoc4_pump_take_events(roburoc4_pump *pump,
                                                        roburoc4_pump_reader *reader);
-/** Wait at most timeout_us for one of the events in `mask` (UINT32_MAX: any). Returns those
- *  of them that occurred, without taking any; 0 on time-out; ROBUROC4_ERR_CLOSED if no more will
- * come. */
+/** Wait at most timeout_us for one of the events in `mask` (UINT32_MAX: any). Returns those of
+ *  them that occurred, without taking any; 0 on time-out; ROBUROC4_ERR_CLOSED if no more will
+ *  come. */
 ROBUROC4_API roburoc4_result roburoc4_pump_wait_events(roburoc4_pump *pump,
                                                        const roburoc4_pump_reader *reader,
                                                        uint32_t mask, uint32_t timeout_us);

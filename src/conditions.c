@@ -23,13 +23,15 @@ static bool nothing_names_pad(const client *c, bool card) {
 }
 
 bool roburoc4_conditions_without_pad(const client *c) {
+    if ((c->private_config.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) == 0) {
+        return false;
+    }
     const discovery *d = &c->private_discovery;
     const bool automatic =
         c->private_config.role_index[ROBUROC4_ROLE_OVERRIDE] == ROBUROC4_INDEX_AUTO;
     const bool card = (d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) != 0;
     const bool counted = (d->known & service_bit(ROBUROC4_SERVICE_IOCARD)) != 0;
-    return (c->private_config.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0 &&
-           d->truncated == 0 && (counted || (automatic && !card)) &&
+    return d->truncated == 0 && (counted || (automatic && !card)) &&
            index_of_role(c, ROBUROC4_ROLE_OVERRIDE) < 0 &&
            (!automatic || nothing_names_pad(c, card));
 }

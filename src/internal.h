@@ -353,7 +353,7 @@ bool roburoc4_discovery_believe(discovery *d, const int32_t *io_counts);
 /** No answer came: the text is missing, and is requested again later. */
 void roburoc4_discovery_text_given_up(discovery *d, uint32_t list, uint32_t index);
 
-#define TEXT_TRIES 10
+#define TEXT_TRIES 10 /* given up after 7.5 s (at the default first_retry_ms) */
 /** Texts to request: of services that nothing else identifies; also of digital inputs; all. The
  * value is how many lists are searched, in the order of roburoc4_discovery_next_text(). */
 typedef enum text_choice {

@@ -99,6 +99,15 @@ class Gate : public testing::Test {
     [[nodiscard]] std::int64_t rejections() const {
         return std::accumulate(std::begin(gate.rejected), std::end(gate.rejected), std::int64_t{0});
     }
+    void expect_the_sender_in_control_is_remembered() {
+        for (int i = 0; i < GATE_SENDERS; i++)
+            (void)judge(command(("sender " + std::to_string(i)).c_str()));
+        EXPECT_EQ("sender 0", owner());
+        gate.control_until_us += 100 * static_cast<std::uint64_t>(second);
+        run(61 * second);
+        EXPECT_EQ(GATE_CONTROL, judge(command("one more")));
+        EXPECT_EQ("sender 0", owner());
+    }
 
     gate_rules rules_;
     struct gate gate {};
@@ -361,23 +370,11 @@ TEST_F(GateWithoutAges, DoesNotForgetTheSenderInControl) {
     rules_.lease_us = ROBUROC4_MAX_LEASE_US;
     restart();
     run(second);
-    for (int i = 0; i < GATE_SENDERS; i++)
-        (void)judge(command(("sender " + std::to_string(i)).c_str()));
-    EXPECT_EQ("sender 0", owner());
-    gate.control_until_us += 100 * static_cast<std::uint64_t>(second);
-    run(61 * second);
-    EXPECT_EQ(GATE_CONTROL, judge(command("one more")));
-    EXPECT_EQ("sender 0", owner());
+    expect_the_sender_in_control_is_remembered();
 }
 
 TEST_F(Gate, DoesNotForgetTheSenderInControl) {
-    for (int i = 0; i < GATE_SENDERS; i++) {
-        (void)judge(command(("sender " + std::to_string(i)).c_str()));
-    }
-    gate.control_until_us += 100 * static_cast<std::uint64_t>(second);
-    run(61 * second);
-    EXPECT_EQ(GATE_CONTROL, judge(command("one more")));
-    EXPECT_EQ("sender 0", owner());
+    expect_the_sender_in_control_is_remembered();
 }
 
 TEST_F(Gate, ForgetsSendersOnceTheirReplaysAreTooOld) {

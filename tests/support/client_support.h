@@ -443,16 +443,6 @@ struct LateInputsRobot : LateRobot {
     }
 };
 
-/** Texts come this late. */
-struct LateTextsRobot : LateRobot {
-    std::uint64_t texts_us = 0;
-
-  private:
-    std::uint64_t late_us(const Bytes &bytes) override {
-        return !is_status(bytes) && bytes[1] == ROBUROC4_ACTION_QUERY ? texts_us : 0;
-    }
-};
-
 /** Stamps of the services that measure motion are 15 cycles older than the others. */
 struct MeasuringRobot : ScriptedRobot {
     std::vector<Bytes> take() override {

@@ -684,13 +684,15 @@ TEST(UnknownOverride, IsNotAllowedIfTheCardThatWasSetIsNotListed) {
 TEST(UnknownOverride, IsNotAllowedWhereNotEverythingCanBeLookedAt) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
-    for (const int way : {0, 1, 2}) {
+    enum Way { NO_CARD, SAID_TO_HAVE_NONE, MANY_INPUTS };
+    for (const Way way : {NO_CARD, SAID_TO_HAVE_NONE, MANY_INPUTS}) {
         ScriptedRobot robot;
-        config.role_index[ROBUROC4_ROLE_OVERRIDE] = way == 1 ? 40 : ROBUROC4_INDEX_AUTO;
-        if (way < 2) {
-            if (way == 0)
-                robot.remove(ROBUROC4_SERVICE_IOCARD);
-            robot.texts_refused = way == 1;
+        config.role_index[ROBUROC4_ROLE_OVERRIDE] =
+            way == SAID_TO_HAVE_NONE ? 40 : ROBUROC4_INDEX_AUTO;
+        if (way == NO_CARD)
+            robot.remove(ROBUROC4_SERVICE_IOCARD);
+        robot.texts_refused = way == SAID_TO_HAVE_NONE;
+        if (way != MANY_INPUTS) {
             for (std::uint16_t id = 20; id < 34; id++) {
                 ScriptedService laser = robot.services.back();
                 laser.kind = ROBUROC4_SERVICE_COUNT;

@@ -20,6 +20,16 @@ roburoc4_result role_with_text(std::uint32_t role, const std::string &text) {
     return roburoc4_client_role_index(&bench.client, role);
 }
 
+/** Texts come this late. */
+struct LateTextsRobot : LateRobot {
+    std::uint64_t texts_us = 0;
+
+  private:
+    std::uint64_t late_us(const Bytes &bytes) override {
+        return !is_status(bytes) && bytes[1] == ROBUROC4_ACTION_QUERY ? texts_us : 0;
+    }
+};
+
 } // namespace
 
 TEST(OverrideText, ConsistsExactlyOfTheWordsForIt) {

@@ -14,7 +14,7 @@ import pytest
 
 _NAP_S = 0.01
 _TOO_LATE_S = 0.05
-"""The tightest promise that is tested leaves 150 ms for the machine."""
+"""The tightest promise that is tested leaves three times as long for the machine."""
 
 
 class MachineTooBusyError(Exception):
