@@ -121,6 +121,9 @@ static bool whole(const char *text, uint32_t min, uint32_t max, uint32_t *out) {
 
 /* Where a setting is allowed: on the command line (by pass), and in the file. */
 enum place { ONLY_COMMAND_LINE, FOR_ALL, FOR_EACH, FOR_ONE };
+/* `which` of a time, and of a ceiling. */
+enum { LEASE, MAX_AGE };
+enum { LINEAR, ANGULAR };
 
 /* `which` and the limits parametrize `set`. A setter gets NULL if the option has no value on the
  * command line, otherwise the file's value. */
@@ -205,7 +208,7 @@ static bool set_record(reading *reading, const known_option *option, const char 
     if (!copy_text(reading, reading->out->record, value)) {
         return false;
     }
-    return (value[0] != '\0' && can_record(value)) ||
+    return can_record(value) ||
            refuse(reading, "no file can be made there; give a folder that exists and can be "
                            "written, or a file in one, with a name ending in .pcapng");
 }
@@ -280,7 +283,7 @@ static bool set_file(reading *reading, const known_option *option, const char *v
     return true;
 }
 
-/* A time of `min` to `max` milliseconds: the longest lease, or (`which` 1) the greatest age. */
+/* A time of `min` to `max` milliseconds. */
 static bool set_time(reading *reading, const known_option *option, const char *value) {
     gate_rules *rules = &reading->robot->rules;
     uint32_t ms = 0;
@@ -288,12 +291,11 @@ static bool set_time(reading *reading, const known_option *option, const char *v
         return complain(reading, "%s: give milliseconds, %u to %u", reading->subject,
                         (unsigned)option->min, (unsigned)option->max);
     }
-    *(option->which == 1 ? &rules->max_age_us : &rules->lease_us) = ms * 1000u;
+    *(option->which == MAX_AGE ? &rules->max_age_us : &rules->lease_us) = ms * 1000u;
     return true;
 }
 
-/* A ceiling in thousandths of its unit, `min` to `max`: of the linear (`which` 0) or the angular
- * speed. */
+/* A ceiling of a speed; `min` and `max` are thousandths of its unit. */
 static bool set_ceiling(reading *reading, const known_option *option, const char *value) {
     roburoc4_config *config = &reading->robot->config;
     char *end = NULL;
@@ -301,9 +303,10 @@ static bool set_ceiling(reading *reading, const known_option *option, const char
     const double ceiling = plain ? strtod(value, &end) : 0;
     if (!plain || *end != '\0' || ceiling * 1000 < option->min || ceiling * 1000 > option->max) {
         return complain(reading, "%s: give %s, 0.001 to %u", reading->subject,
-                        option->which == 0 ? "m/s" : "rad/s", (unsigned)option->max / 1000);
+                        option->which == LINEAR ? "m/s" : "rad/s", (unsigned)option->max / 1000);
     }
-    *(option->which == 0 ? &config->max_linear_m_s : &config->max_angular_rad_s) = (float)ceiling;
+    *(option->which == LINEAR ? &config->max_linear_m_s : &config->max_angular_rad_s) =
+        (float)ceiling;
     return true;
 }
 
@@ -498,35 +501,44 @@ static bool set_pose(reading *reading, const known_option *option, const char *v
 #define MAX_LINEAR_MM_S ((uint32_t)(ROBUROC4_MAX_DRIVE_M_S * 1000))
 #define MAX_ANGULAR_MRAD_S ((uint32_t)(ROBUROC4_MAX_DRIVE_RAD_S * 1000))
 
-/* Options without a setter end the reading; those without a value are yes or no in the file. */
+/* With a value, and without one: yes or no in the file. */
+#define VALUE(name, letter, pass, place, set)                                                      \
+    { name, letter, required_argument, pass, place, set, 0, 0, 0 }
+#define NUMBER(name, set, which, min, max)                                                         \
+    { name, 0, required_argument, PASS_SETTINGS, FOR_EACH, set, which, min, max }
+#define FLAG(name, letter, place, set, which)                                                      \
+    { name, letter, no_argument, PASS_SETTINGS, place, set, which, 0, 0 }
+#define NO_LETTER '\0'
+
+/* Options without a setter end the reading. */
 static const known_option known[] = {
-    {"robot", 'r', 1, PASS_ROBOTS, ONLY_COMMAND_LINE, set_robot, 0, 0, 0},
-    {"config", 'c', 1, PASS_SETTINGS, ONLY_COMMAND_LINE, set_file, 0, 0, 0},
-    {"check", 0, 0, PASS_SETTINGS, ONLY_COMMAND_LINE, set_check, 0, 0, 0},
-    {"lcm-url", 'l', 1, PASS_SETTINGS, FOR_ALL, set_url, 0, 0, 0},
-    {"record", 0, 1, PASS_SETTINGS, FOR_ALL, set_record, 0, 0, 0},
-    {"prefix", 'p', 1, PASS_SETTINGS, ONLY_COMMAND_LINE, set_prefix, 0, 0, 0},
-    {"channel", 0, 1, PASS_CHANNELS, FOR_ONE, set_channel, 0, 0, 0},
-    {"pose-channel", 0, 1, PASS_CHANNELS, FOR_ONE, set_pose, 0, 0, 0},
-    {"period-ms", 0, 1, PASS_SETTINGS, FOR_EACH, set_period, 0, 0, 0},
-    {"robot-file", 0, 1, PASS_SETTINGS, FOR_EACH, set_robot_file, 0, 0, 0},
-    {"enable-drive", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_DRIVE, 0, 0},
-    {"enable-outputs", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_OUTPUT, 0, 0},
-    {"enable-relocalize", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_RELOCALIZE, 0, 0},
-    {"allow-sender", 0, 1, PASS_SETTINGS, FOR_EACH, set_allowed, 0, 0, 0},
-    {"fleet-stop", 0, 1, PASS_SETTINGS, FOR_ALL, set_fleet_stop, 0, 0, 0},
-    {"lease-ms", 0, 1, PASS_SETTINGS, FOR_EACH, set_time, 0, MIN_LEASE_MS, MAX_LEASE_MS},
-    {"max-age-ms", 0, 1, PASS_SETTINGS, FOR_EACH, set_time, 1, 0, 3600000u},
-    {"max-linear", 0, 1, PASS_SETTINGS, FOR_EACH, set_ceiling, 0, 1, MAX_LINEAR_MM_S},
-    {"max-angular", 0, 1, PASS_SETTINGS, FOR_EACH, set_ceiling, 1, 1, MAX_ANGULAR_MRAD_S},
-    {"verbose", 'v', 0, PASS_SETTINGS, ONLY_COMMAND_LINE, set_level, LOG_DETAIL, 0, 0},
-    {"quiet", 'q', 0, PASS_SETTINGS, ONLY_COMMAND_LINE, set_level, LOG_ERROR, 0, 0},
-    {"help", 'h', 0, PASS_SETTINGS, ONLY_COMMAND_LINE, NULL, OPTIONS_HELP, 0, 0},
-    {"version", 0, 0, PASS_SETTINGS, ONLY_COMMAND_LINE, NULL, OPTIONS_VERSION, 0, 0},
+    VALUE("robot", 'r', PASS_ROBOTS, ONLY_COMMAND_LINE, set_robot),
+    VALUE("config", 'c', PASS_SETTINGS, ONLY_COMMAND_LINE, set_file),
+    VALUE("lcm-url", 'l', PASS_SETTINGS, FOR_ALL, set_url),
+    VALUE("record", NO_LETTER, PASS_SETTINGS, FOR_ALL, set_record),
+    VALUE("prefix", 'p', PASS_SETTINGS, ONLY_COMMAND_LINE, set_prefix),
+    VALUE("channel", NO_LETTER, PASS_CHANNELS, FOR_ONE, set_channel),
+    VALUE("pose-channel", NO_LETTER, PASS_CHANNELS, FOR_ONE, set_pose),
+    VALUE("period-ms", NO_LETTER, PASS_SETTINGS, FOR_EACH, set_period),
+    VALUE("robot-file", NO_LETTER, PASS_SETTINGS, FOR_EACH, set_robot_file),
+    VALUE("allow-sender", NO_LETTER, PASS_SETTINGS, FOR_EACH, set_allowed),
+    VALUE("fleet-stop", NO_LETTER, PASS_SETTINGS, FOR_ALL, set_fleet_stop),
+    NUMBER("lease-ms", set_time, LEASE, MIN_LEASE_MS, MAX_LEASE_MS),
+    NUMBER("max-age-ms", set_time, MAX_AGE, 0, 3600000u),
+    NUMBER("max-linear", set_ceiling, LINEAR, 1, MAX_LINEAR_MM_S),
+    NUMBER("max-angular", set_ceiling, ANGULAR, 1, MAX_ANGULAR_MRAD_S),
+    FLAG("enable-drive", NO_LETTER, FOR_EACH, set_enabled, GATE_DRIVE),
+    FLAG("enable-outputs", NO_LETTER, FOR_EACH, set_enabled, GATE_OUTPUT),
+    FLAG("enable-relocalize", NO_LETTER, FOR_EACH, set_enabled, GATE_RELOCALIZE),
+    FLAG("check", NO_LETTER, ONLY_COMMAND_LINE, set_check, 0),
+    FLAG("verbose", 'v', ONLY_COMMAND_LINE, set_level, LOG_DETAIL),
+    FLAG("quiet", 'q', ONLY_COMMAND_LINE, set_level, LOG_ERROR),
+    FLAG("help", 'h', ONLY_COMMAND_LINE, NULL, OPTIONS_HELP),
+    FLAG("version", NO_LETTER, ONLY_COMMAND_LINE, NULL, OPTIONS_VERSION),
 };
 #define KNOWN (sizeof known / sizeof known[0])
-static const known_option address_of_robot = {"address", 0, 1, PASS_SETTINGS, FOR_ONE, set_address,
-                                              0,         0, 0};
+static const known_option address_of_robot =
+    VALUE("address", NO_LETTER, PASS_SETTINGS, FOR_ONE, set_address);
 static const char letters[] = ":r:c:l:p:vqh";
 /* What getopt_long() returns for the long form of known[0]. */
 #define FIRST_LONG 256
@@ -781,7 +793,7 @@ static void complain_of_option(reading *reading, int option, const char *last) {
 /* option: what getopt_long() returned, but not '?', ':' or -1. */
 static const known_option *find_option(int option) {
     size_t at = 0;
-    while (at + 1 < KNOWN && option != FIRST_LONG + (int)at && option != known[at].letter) {
+    while (option != FIRST_LONG + (int)at && option != known[at].letter) {
         at++;
     }
     return &known[at];

@@ -435,9 +435,7 @@ static void receive(robot *robot) {
         }
         if (result == ROBUROC4_UDP_USED) {
             handle_events(robot, datagram, size, now);
-            if (roburoc4_client_next_deadline(&robot->client) <= now.us) {
-                (void)roburoc4_udp_transmit_all(&robot->udp, &robot->client);
-            }
+            (void)roburoc4_udp_transmit_all(&robot->udp, &robot->client);
         }
     }
 }
@@ -585,9 +583,8 @@ uint64_t robot_deadline(const robot *robot) {
                          deadline_of(&robot->properties, PROPERTIES_PERIOD_US),
                          roburoc4_udp_fd(&robot->udp) < 0 ? robot->open_us : UINT64_MAX,
                          robot->moving.active ? robot->moving.until_us : UINT64_MAX,
-                         robot->moving.active || robot->move_status.due
-                             ? deadline_of(&robot->move_status, MOVE_PERIOD_US)
-                             : UINT64_MAX};
+                         robot->move_status.due ? deadline_of(&robot->move_status, MOVE_PERIOD_US)
+                                                : UINT64_MAX};
     for (size_t at = 0; at < sizeof others / sizeof others[0]; at++) {
         first = others[at] < first ? others[at] : first;
     }

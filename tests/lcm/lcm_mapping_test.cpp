@@ -131,7 +131,9 @@ TEST(LcmMapping, TelemeterStatusHasTheMountingBesideEachDistance) {
                                         {1.1F, 1.2F, 1.3F, 1.4F, 1.5F, 1.6F, 9.0F}};
     roburoc4_lcm_telemeter_t storage[ROBUROC4_MAX_TELEMETERS];
     roburoc4_lcm_telemeter_status_t out;
+    storage[3].distance_m = -7;
     mapping_telemeter(&in, known, 2, utime, storage, &out);
+    EXPECT_EQ(-7, storage[3].distance_m) << "a full list has no place behind it";
     TRAVEL(roburoc4_lcm_telemeter_status_t, out, {
         EXPECT_EQ(utime, got.utime);
         EXPECT_EQ(static_cast<std::int64_t>(cycles), got.robot_cycles);
@@ -161,6 +163,8 @@ TEST(LcmMapping, IoCardStatusHasANameBesideEachValue) {
     mapping_names_set(names.get(), ROBUROC4_IO_DIGITAL_INPUT, 63, text, 1);
     mapping_names_set(names.get(), ROBUROC4_IO_ANALOG_INPUT, 0, text, 0);
     mapping_names_set(names.get(), ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_MAX_ANALOG_INPUTS, text, 1);
+    EXPECT_STRNE("T", mapping_names_of(names.get(), &bench.client, ROBUROC4_IO_ANALOG_OUTPUT)[0])
+        << "not the next list's";
     mapping_names_set(names.get(), -1, 0, text, 1);
     mapping_names_set(names.get(), 4, 0, text, 1);
     roburoc4_inputs in{};
@@ -507,6 +511,10 @@ TEST(LcmMapping, TheMessageSaysWhatToDo) {
     View v;
     EXPECT_EQ("ready; the next command drives", v.message());
     v.facts.armed = 0;
+    for (const std::int32_t cause : {ROBUROC4_ERR_DISARMED, ROBUROC4_ERR_STOPPED}) {
+        v.facts.disarm_cause = cause;
+        EXPECT_EQ("ready; the next command drives", v.message()) << "as somebody wanted";
+    }
     gate_hold(&v.gate, v.view.now.us);
     v.facts.disarm_cause = ROBUROC4_ERR_OVERRIDE;
     EXPECT_NE(std::string::npos, v.message().find("pause")) << v.message();

@@ -319,7 +319,7 @@ TEST(LcmOptions, RejectInvalidValuesAndNameThem) {
         {{"--channel", "BATTERY=ROBUROC4_IOCARD"}, "two channels"},
         {{"--pose-channel", "P_CMD"}, "P_CMD"},
         {{"--pose-channel", ""}, "--pose-channel"},
-        {{"--enable-drive", "--period-ms", "iocard=0"}, "iocard"},
+        {{"--enable-drive", "--period-ms", "iocard=0"}, "--enable-drive needs statuses of iocard"},
         {{"--enable-drive", "--period-ms", "differential=300"}, "differential"},
     };
     for (const auto &each : cases) {
@@ -327,6 +327,36 @@ TEST(LcmOptions, RejectInvalidValuesAndNameThem) {
         EXPECT_EQ(OPTIONS_BAD, r.result) << each.named;
         EXPECT_NE(std::string::npos, r.error.find(each.named)) << r.error;
         EXPECT_LT(r.error.size() + 1, static_cast<std::size_t>(OPTIONS_ERROR_SIZE)) << r.error;
+    }
+}
+
+TEST(LcmOptions, EachChannelMayHaveAnotherName) {
+    const char *const keys[] = {"DIFFERENTIAL", "LOCALIZATION",      "BATTERY",      "TELEMETER",
+                                "IOCARD",       "PROPERTIES",        "BRIDGE_STATE", "MOVE_STATUS",
+                                "STOP_CMD",     "BRIDGE_STATISTICS", "DRIVE_CMD",    "MOVE_CMD",
+                                "OUTPUT_CMD",   "RELOCALIZE_CMD"};
+    for (const std::string key : keys) {
+        const std::string name = "OTHER_" + key;
+        const Read r = read({"-r", "A=a", "--channel", key + "=" + name});
+        ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
+        const std::string line = "    channel " + name + " instead of A_" + key + "\n";
+        const std::string all = printed(r);
+        const std::size_t at = all.find(line);
+        EXPECT_NE(std::string::npos, at) << all;
+        EXPECT_EQ(at, all.find("    channel ")) << "and no other";
+    }
+}
+
+TEST(LcmOptions, TheHelpNamesThemAll) {
+    for (const std::string name :
+         {"robot",        "config",       "check",          "lcm-url",           "record",
+          "prefix",       "channel",      "pose-channel",   "period-ms",         "robot-file",
+          "allow-sender", "fleet-stop",   "lease-ms",       "max-age-ms",        "max-linear",
+          "max-angular",  "enable-drive", "enable-outputs", "enable-relocalize", "verbose",
+          "quiet",        "help",         "version"}) {
+        const Read r = read({"--" + name});
+        EXPECT_EQ(std::string::npos, r.error.find("unknown option")) << name;
+        EXPECT_NE(nullptr, std::strstr(options_help, ("--" + name).c_str())) << name;
     }
 }
 
@@ -362,6 +392,8 @@ TEST(LcmOptions, FindTheRobotsAddresses) {
         EXPECT_EQ(OPTIONS_BAD, options_resolve(r.out.get(), error, sizeof error)) << bad;
         EXPECT_NE(nullptr, std::strstr(error, "65535")) << error;
     }
+    r = read({"-r", "A=host:0", "-r", "B=no-such-robot.invalid"});
+    EXPECT_EQ(OPTIONS_BAD, options_resolve(r.out.get(), error, sizeof error)) << "the worst";
     r = read({"-r", "no-such-robot.invalid"});
     EXPECT_EQ(OPTIONS_NO_ADDRESS, options_resolve(r.out.get(), error, sizeof error));
     EXPECT_NE(nullptr, std::strstr(error, "no-such-robot.invalid")) << error;
