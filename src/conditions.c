@@ -10,6 +10,13 @@ static bool fresh(const client *c, uint32_t service, uint64_t now_us, timer *t) 
                                c->private_config.fresh_ms * MS, now_us, t);
 }
 
+/* Without texts, only the program can say which services these are, and which input is [A]. */
+
+static bool pad_can_be_found(const roburoc4_config *config) {
+    return WITH_TEXTS ||
+           (config->iocard_id >= 0 && config->role_index[ROBUROC4_ROLE_OVERRIDE] >= 0);
+}
+
 /** Either the texts of all inputs were given, refused, or asked for in vain, or there is no card;
  * and no text names [A]. */
 static bool nothing_names_pad(const client *c, bool card) {
@@ -31,8 +38,8 @@ bool roburoc4_conditions_without_pad(const client *c) {
         c->private_config.role_index[ROBUROC4_ROLE_OVERRIDE] == ROBUROC4_INDEX_AUTO;
     const bool card = (d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) != 0;
     const bool counted = (d->known & service_bit(ROBUROC4_SERVICE_IOCARD)) != 0;
-    return d->truncated == 0 && (counted || (automatic && !card)) &&
-           index_of_role(c, ROBUROC4_ROLE_OVERRIDE) < 0 &&
+    return pad_can_be_found(&c->private_config) && d->truncated == 0 &&
+           (counted || (automatic && !card)) && index_of_role(c, ROBUROC4_ROLE_OVERRIDE) < 0 &&
            (!automatic || nothing_names_pad(c, card));
 }
 
@@ -49,16 +56,12 @@ static roburoc4_result not_fresh(const client *c, uint32_t service, roburoc4_res
                : stale;
 }
 
-/* Without texts, only the program can say which services these are, and which input is [A]. */
-
 static bool knows_differential(const client *c) {
     return c->private_drive.known && (WITH_TEXTS || c->private_config.differential_id >= 0);
 }
 
 static bool knows_override(const client *c) {
-    return c->private_conditions.override_known &&
-           (WITH_TEXTS || (c->private_config.iocard_id >= 0 &&
-                           c->private_config.role_index[ROBUROC4_ROLE_OVERRIDE] >= 0));
+    return c->private_conditions.override_known && pad_can_be_found(&c->private_config);
 }
 
 static bool commanded_by_another(const client *c) {

@@ -472,13 +472,13 @@ static void contradict(client *c, const uint8_t *data, size_t size, bool bad) {
 }
 
 /** The request to which an answer belongs, or NULL. The answer may begin or end fixed-id mode, and
- * then other texts are believed. */
+ * then other texts are believed; or end a text for which a probe waits. */
 static slot *find_request(client *c, const uint8_t *data, size_t size) {
     const requests *r = &c->private_requests;
     const bool fixed_id = in_fixed_id_mode(r);
-    const bool single_texts = r->single_texts != 0;
+    const bool text_open = roburoc4_requests_text_open(r);
     slot *s = roburoc4_requests_match(&c->private_requests, data, size, c->private_timer.now_us);
-    if (fixed_id != in_fixed_id_mode(r) || single_texts != (r->single_texts != 0)) {
+    if (fixed_id != in_fixed_id_mode(r) || text_open != roburoc4_requests_text_open(r)) {
         wake(c);
     }
     if (fixed_id != in_fixed_id_mode(r)) {

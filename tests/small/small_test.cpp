@@ -41,13 +41,30 @@ TEST(Small, TheGamePadDisarms) {
     EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, bench.arm());
 }
 
+/** The option says that nobody will press [A], not where the card is. */
+TEST(Small, TheOptionOfAnUnknownOverrideNeedsTheCardAndAnIndexToo) {
+    roburoc4_config config = where_things_are();
+    config.options |= ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = 63;
+    ScriptedRobot robot;
+    Bench bench(robot, config);
+    bench.armed();
+    config.iocard_id = ROBUROC4_ID_AUTO;
+    Bench without(robot, config);
+    without.start();
+    ASSERT_TRUE(without.run_until_state(ROBUROC4_STATE_READY));
+    without.run(5 * second);
+    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE_UNKNOWN, without.arm());
+}
+
 TEST(Small, IsNotArmedUnlessTheProgramSaysWhereThingsAre) {
-    for (int missing = 0; missing < 3; missing++) {
+    for (int missing = 0; missing < 6; missing++) {
         SCOPED_TRACE(missing);
         roburoc4_config config = where_things_are();
-        if (missing == 0)
+        config.options |= missing >= 3 ? ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE : 0;
+        if (missing % 3 == 0)
             config.differential_id = ROBUROC4_ID_AUTO;
-        else if (missing == 1)
+        else if (missing % 3 == 1)
             config.iocard_id = ROBUROC4_ID_AUTO;
         else
             config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_INDEX_AUTO;
@@ -56,7 +73,7 @@ TEST(Small, IsNotArmedUnlessTheProgramSaysWhereThingsAre) {
         bench.start();
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
         bench.run(5 * second);
-        EXPECT_EQ(missing == 0 ? ROBUROC4_ERR_NO_DIFFERENTIAL : ROBUROC4_ERR_OVERRIDE_UNKNOWN,
+        EXPECT_EQ(missing % 3 == 0 ? ROBUROC4_ERR_NO_DIFFERENTIAL : ROBUROC4_ERR_OVERRIDE_UNKNOWN,
                   bench.arm());
     }
 }

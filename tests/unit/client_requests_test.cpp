@@ -432,6 +432,28 @@ TEST(ErrorTelegram, RefusesTheTextsOfASlowRobotInTime) {
     }
 }
 
+/** The bench sees what is due before the client's deadline: here the probe, which waited for the
+ * text that the error ends. */
+TEST(ErrorTelegram, ThatEndsATextLetsTheProbeGoAtOnce) {
+    ScriptedRobot robot;
+    robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
+        return (r.action == ROBUROC4_ACTION_QUERY && r.service != 0) ||
+               r.action == ROBUROC4_ACTION_REPLACE;
+    };
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    for (int at = 0; at < 40; at++) {
+        bench.run(1100 * ms);
+        for (const double x_m : {1.0, 2.0})
+            ASSERT_EQ(ROBUROC4_OK,
+                      roburoc4_client_relocalize(&bench.client, x_m, 0, 0, bench.client_us()));
+        bench.run(static_cast<std::uint64_t>(at) * 10 * ms);
+        bench.receive({0});
+    }
+    bench.run(3 * second);
+}
+
 /** A copy of its refusal, which names nothing, comes when a text was just requested. */
 TEST(ErrorTelegram, OfAnotherRequestRefusesNoText) {
     ScriptedRobot robot;
