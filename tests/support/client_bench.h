@@ -9,6 +9,7 @@
 #define ROBUROC4_TESTS_CLIENT_BENCH_H
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
 
 #include "client_support.h"
@@ -16,9 +17,17 @@
 
 namespace roburoc4_tests {
 
+/** For a core without texts also where things are, as the program has to say there. */
 inline roburoc4_config default_config() {
     roburoc4_config config;
     EXPECT_EQ(ROBUROC4_OK, roburoc4_config_init(&config, sizeof config));
+    if (std::getenv("ROBUROC4_NO_TEXTS") != nullptr) {
+        config.iocard_id = ROBUROC4_SERVICE_IOCARD;
+        config.differential_id = ROBUROC4_SERVICE_DIFFERENTIAL;
+        config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
+        config.role_index[ROBUROC4_ROLE_FRONT_BUMPER] = ROBUROC4_DI_FRONT_BUMPER;
+        config.role_index[ROBUROC4_ROLE_REAR_BUMPER] = ROBUROC4_DI_REAR_BUMPER;
+    }
     return config;
 }
 

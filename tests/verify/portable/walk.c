@@ -341,6 +341,7 @@ static void step(void) {
 }
 
 static void begin(uint32_t number) {
+    roburoc4_config config;
     memset(&net, 0, sizeof net);
     memset(&partner, 0, sizeof partner);
     now_us = hung_until_us = event_until_us = drive_until_us = quiet_until_us = drove_us = 0;
@@ -348,7 +349,14 @@ static void begin(uint32_t number) {
     clock_us = 100 * (uint64_t)SECOND;
     partner.first_id = (uint16_t)(number % 2 == 0 ? 2 : 40);
     robot_boot(&partner, 0);
-    check(roburoc4_client_init(&client, sizeof client, NULL) == ROBUROC4_OK, "init");
+    (void)roburoc4_config_init(&config, sizeof config);
+#ifdef ROBUROC4_NO_TEXTS
+    config.iocard_id = partner.first_id;
+    config.differential_id =
+        partner.first_id + ROBUROC4_SERVICE_DIFFERENTIAL - ROBUROC4_SERVICE_IOCARD;
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
+#endif
+    check(roburoc4_client_init(&client, sizeof client, &config) == ROBUROC4_OK, "init");
     check(roburoc4_client_start(&client, client_us()) == ROBUROC4_OK, "start");
 }
 
