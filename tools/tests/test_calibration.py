@@ -75,14 +75,3 @@ def test_an_answer_that_is_no_measurement_writes_nothing(
             monkeypatch.setattr("sys.stdin", io.StringIO(answer + "\n" + "720\n" * 2))
             with pytest.raises((CommandError, ArgumentError)):
                 calibrate.measure(robot, options())
-
-
-def test_a_file_that_is_no_calibration_is_refused(sim: Simulator, tmp_path: Path) -> None:
-    file = tmp_path / "robot.txt"
-    with pytest.raises(ArgumentError, match="roburoc4 calibrate"):
-        sim.connect(robot_file=file)
-    for text in ("", "[]", "{}", '{"scale_linear": 1}', '{"scale_linear": 1, "scale_angular": 9}'):
-        file.write_text(text)
-        with pytest.raises(ArgumentError):
-            sim.connect(robot_file=file)
-    assert calibrate.checked("scale_linear", 1.0) == 1.0

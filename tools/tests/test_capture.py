@@ -132,18 +132,6 @@ def test_a_truncated_file_is_read_up_to_its_end(tmp_path: Path, form: object) ->
         assert capture.position + capture.cut == size
 
 
-def test_drops_that_the_recorder_counted_are_reported(tmp_path: Path) -> None:
-    from capture_support import ipv4
-
-    packet = PACKETS[0]
-    data = pcapng(PACKETS) + enhanced(packet, ipv4(packet), dropped=3)
-    path = tmp_path / "a"
-    path.write_bytes(data + enhanced(packet, ipv4(packet), dropped=4))
-    capture = Capture(path)
-    assert len(list(capture)) == len(PACKETS) + 2
-    assert capture.dropped == 7
-
-
 @pytest.mark.parametrize(
     ("data", "text"), [(b"", "empty"), (b"a text, no capture", "neither pcapng nor pcap")]
 )
@@ -152,7 +140,7 @@ def test_a_file_that_is_not_a_capture_is_named(tmp_path: Path, data: bytes, text
         read(tmp_path / "a", data)
 
 
-@pytest.mark.parametrize("seed", range(300))
+@pytest.mark.parametrize("seed", range(40))
 def test_damaged_files_give_datagrams_or_one_error(tmp_path: Path, seed: int) -> None:
     chance = random.Random(seed)
     form = chance.choice([pcap, pcapng])

@@ -2,15 +2,13 @@
 """`roburoc4 monitor`: live, as lines of JSON, over a loss, into a pipe that closes."""
 
 import io
-import itertools
 import json
 import signal
 import subprocess
 import time
 from typing import Any
 
-import pytest
-from cli_support import COMMAND, Terminal, environment, one_line, run, start
+from cli_support import COMMAND, Terminal, environment, run, start
 from rich.console import Console
 from robot_support import until
 
@@ -39,7 +37,9 @@ def _lines(stdout: str) -> list[dict[str, Any]]:
 
 def test_every_line_of_json_is_a_status_with_its_fields() -> None:
     with roburoc4.Simulator(port=0) as sim:
+        sim.set("pin_analog_2", float("nan"))
         done = run("monitor", "--json", "--seconds", "2.5", robot=sim.address)
+        assert (sim.state.speed_commands, sim.state.io_commands) == (0, 0)
     assert (done.returncode, done.stderr) == (0, "")
     lines = _lines(done.stdout)
     assert {line["service"] for line in lines} == set(FIELDS)
@@ -50,25 +50,10 @@ def test_every_line_of_json_is_a_status_with_its_fields() -> None:
     assert battery["state_name"] == "ok"
     iocard = next(line for line in lines if line["service"] == "iocard")
     assert len(iocard["analog_inputs"]) == 9
+    assert iocard["analog_inputs"][2] is None, "not a number"
     assert iocard["digital_inputs"] == [False] * 22
     pose = next(line for line in lines if line["service"] == "localization")
     assert pose["flags"] == 18
-
-
-def test_no_status_is_omitted() -> None:
-    with roburoc4.Simulator(port=0) as sim:
-        done = run("monitor", "--json", "--seconds", "2", robot=sim.address)
-    cycles = [line["robot_cycles"] for line in _lines(done.stdout) if line["service"] == "iocard"]
-    assert len(cycles) >= 10
-    assert [b - a for a, b in itertools.pairwise(cycles)] == [5] * (len(cycles) - 1)
-
-
-def test_values_that_are_not_finite_are_null() -> None:
-    with roburoc4.Simulator(port=0) as sim:
-        sim.set("pin_analog_2", float("nan"))
-        done = run("monitor", "--json", "--seconds", "2", robot=sim.address)
-    iocard = next(line for line in _lines(done.stdout) if line["service"] == "iocard")
-    assert iocard["analog_inputs"][2] is None
 
 
 def test_without_a_terminal_a_line_is_printed_periodically() -> None:
@@ -79,12 +64,6 @@ def test_without_a_terminal_a_line_is_printed_periodically() -> None:
     last = done.stdout.splitlines()[-1]
     for text in ("ready", "battery 100 %", "override", "loss 0.0%"):
         assert text in last
-
-
-def test_it_commands_nothing() -> None:
-    with roburoc4.Simulator(port=0) as sim:
-        run("monitor", "--seconds", "0.5", robot=sim.address)
-        assert (sim.state.speed_commands, sim.state.io_commands) == (0, 0)
 
 
 def test_a_terminal_shows_the_live_table() -> None:
@@ -103,15 +82,14 @@ def test_a_terminal_shows_the_live_table() -> None:
     assert "Traceback" not in terminal.text
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_signals_end_it_quietly(number: signal.Signals, code: int) -> None:
+def test_a_signal_ends_it_quietly() -> None:
     with roburoc4.Simulator(port=0) as sim:
         process = start("monitor", "--json", robot=sim.address)
         assert process.stdout is not None
         process.stdout.readline()
-        process.send_signal(number)
+        process.send_signal(signal.SIGINT)
         _, stderr = process.communicate(timeout=120)
-    assert (process.returncode, stderr) == (code, "")
+    assert (process.returncode, stderr) == (130, "")
 
 
 def test_a_temporary_loss_is_reported_and_not_an_error() -> None:
@@ -130,22 +108,10 @@ def test_a_temporary_loss_is_reported_and_not_an_error() -> None:
     assert _lines(stdout)[-1]["robot_cycles"] < 1000, "the robot started counting again"
 
 
-def test_a_robot_that_stays_away_is_an_error() -> None:
-    with roburoc4.Simulator(port=0) as sim:
-        process = start("monitor", "--json", "--seconds", "5", robot=sim.address)
-        assert process.stdout is not None
-        process.stdout.readline()
-        sim.set("power", False)
-        _, stderr = process.communicate(timeout=120)
-    assert process.returncode == 1
-    assert "did not come back" in one_line(stderr.splitlines(keepends=True)[-1])
-
-
-@pytest.mark.parametrize("json_or_not", [["--json"], []])
-def test_a_closed_pipe_ends_it_quietly(json_or_not: list[str]) -> None:
+def test_a_closed_pipe_ends_it_quietly() -> None:
     with roburoc4.Simulator(port=0) as sim:
         done = subprocess.run(
-            f"{COMMAND} monitor {' '.join(json_or_not)} | head -n 1",
+            f"{COMMAND} monitor | head -n 1",
             shell=True,
             env=environment(sim.address),
             capture_output=True,
@@ -158,8 +124,8 @@ def test_a_closed_pipe_ends_it_quietly(json_or_not: list[str]) -> None:
         until(lambda: sim.state.peers <= 1)
 
 
-@pytest.mark.parametrize("cells", [40, 60])
-def test_a_narrow_terminal_shows_whole_values(cells: int) -> None:
+def test_a_narrow_terminal_shows_whole_values() -> None:
+    cells = 40
     with roburoc4.Simulator() as sim, sim.connect() as robot:
         robot.sleep(2.0)
         screen = Console(width=cells, file=io.StringIO(), record=True)

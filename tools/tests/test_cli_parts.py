@@ -3,23 +3,18 @@
 
 import argparse
 import math
-import re
 
 import pytest
 
-from roburoc4 import Simulator
-from roburoc4.records import DifferentialProperties
-from roburoc4_tools.cli import info, moves, options, output, view
+from roburoc4_tools.cli import options, output
 from roburoc4_tools.cli.deadman import FIRST_S, REPEAT_S, DeadMan
 from roburoc4_tools.cli.keyboard import Decoder, Key, is_ctrl_c
-from roburoc4_tools.cli.names import names_of
-from roburoc4_tools.cli.snapshot import take
 from roburoc4_tools.cli.verdict import Findings, Stream, judge
 
 # ------------------------------------------------------------------------------------- numbers
 
 
-@pytest.mark.parametrize("text", ["nan", "inf", "-inf", "-1", "0", "1e9", "", "three"])
+@pytest.mark.parametrize("text", ["nan", "inf", "-1", "0", "three"])
 def test_a_duration_is_finite_and_positive(text: str) -> None:
     with pytest.raises(argparse.ArgumentTypeError, match=r"0\.001 to 1e\+06 seconds"):
         options.seconds(text)
@@ -201,24 +196,3 @@ def test_each_fault_has_its_verdict(found: Findings, number: int, code: int) -> 
 
 
 # --------------------------------------------------------------------------------------- texts
-
-
-def test_two_properties_never_have_one_name() -> None:
-    limits = DifferentialProperties(*range(len(DifferentialProperties._fields)))
-    names = [name for name, _ in info._fields(limits)]
-    assert len(set(names)) == len(names)
-    assert "max linear acceleration" in names
-
-
-def test_a_summary_has_no_negative_zero() -> None:
-    report = {"distance_m": 1.0, "angle_rad": -1e-6, "pose": None}
-    assert "turned 0.0°" in moves._summary(report)
-
-
-def test_a_line_of_monitor_names_its_distances() -> None:
-    with Simulator() as simulator, simulator.connect() as robot:
-        robot.wait_for("telemeter")
-        robot.wait_for("differential")
-        text = view.line(take(robot, 1.0, names_of(robot)))
-    assert re.search(r"front [\d.]+ m rear [\d.]+ m", text), text
-    assert "no warning" in text

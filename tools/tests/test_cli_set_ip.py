@@ -112,13 +112,11 @@ def test_a_person_who_says_no_changes_nothing() -> None:
     ("settings", "named"),
     [
         (("10.0.0.x", NEW[1], NEW[2]), "10.0.0.x"),
-        (("224.0.0.1", NEW[1], NEW[2]), "224.0.0.1"),
         (("127.0.0.1", NEW[1], NEW[2]), "127.0.0.1"),
         (("10.0.0.0", NEW[1], NEW[2]), "10.0.0.0/8"),
         (("10.255.255.255", NEW[1], NEW[2]), "10.0.0.0/8"),
         ((NEW[0], "255.0.255.0", NEW[2]), "255.0.255.0"),
         ((NEW[0], "0.0.0.255", NEW[2]), "0.0.0.255"),
-        ((NEW[0], "8", NEW[2]), "'8'"),
         ((NEW[0], "255.255.255.255", NEW[2]), "255.255.255.255"),
         ((NEW[0], NEW[1], "11.0.0.1"), "11.0.0.1"),
         ((NEW[0], NEW[1], NEW[0]), NEW[0]),
@@ -127,9 +125,9 @@ def test_a_person_who_says_no_changes_nothing() -> None:
 def test_settings_that_would_lose_the_robot_are_refused(
     settings: tuple[str, str, str], named: str
 ) -> None:
-    done = run("set-ip", *settings, "--yes", "--robot", "127.0.0.1", "--telnet-port", "9")
-    assert done.returncode == 2
-    assert named in one_line(done.stderr)
+    with pytest.raises(CommandError, match=re.escape(named)) as raised:
+        checked(*settings)
+    assert raised.value.code == 2
 
 
 def test_without_a_console_it_says_that_nothing_was_changed() -> None:
@@ -162,7 +160,6 @@ def test_nothing_is_sent_to_other_machines(welcome: bytes, complaint: str) -> No
     [
         (ASKED + b"'netcfg' is not recognized as a command\r\n\\> ", "not recognized"),
         (ASKED + b"IP settings saved, 0 errors\r\n\\> ", "saved, 0 errors"),
-        (ASKED + b"Please wait\r\n", "said 'Please wait' and did not finish"),
         (b"", "did not confirm"),
         (ASKED + b"\\> ", "did not confirm"),
     ],
@@ -177,24 +174,10 @@ def test_no_confirmation_is_neither_success_nor_failure(answer: bytes, complaint
 
 
 @pytest.mark.usefixtures("hurried")
-def test_a_session_that_ends_early_changed_nothing() -> None:
-    robot = Scripted(b"")
-    with pytest.raises(CommandError, match="nothing was changed") as raised:
-        robot.set()
-    assert "not known" not in raised.value.message
-
-
-@pytest.mark.usefixtures("hurried")
 def test_after_a_broken_session_the_result_is_unknown() -> None:
     robot = Scripted(b"Welcome\r\n\\> ", b"", ends=True)
     with pytest.raises(CommandError, match=r"broke off .*is not known"):
         robot.set()
-
-
-@pytest.mark.usefixtures("hurried")
-def test_the_confirmation_is_reported_in_one_line() -> None:
-    robot = Scripted(b"Welcome\r\n\\> ", ASKED + b"IP settings\r\nstored.\r\n\r\n\\> ")
-    assert robot.set() == "IP settings stored."
 
 
 def test_a_port_that_cannot_be_used_ends_the_simulator() -> None:

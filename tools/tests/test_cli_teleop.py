@@ -99,14 +99,6 @@ def test_with_releases_one_press_lasts_until_the_release(sim: roburoc4.Simulator
     assert terminal.wait(keys="\x1b[120;1:1u") == 0
 
 
-def test_the_scale_of_speed_is_a_key_away(sim: roburoc4.Simulator) -> None:
-    terminal = _teleop(sim, NO_RELEASES)
-    terminal.wait_for(r"0\.1 m/s  0\.1 rad/s", keys="---")
-    _hold_until(terminal, "s", lambda: _drives_at(sim, -0.1))
-    terminal.wait_for(r"1\.0 m/s  1\.0 rad/s", keys="+++++++")
-    assert terminal.wait(keys="x") == 0
-
-
 def test_override_is_shown_and_ends_with_a_new_press(sim: roburoc4.Simulator) -> None:
     terminal = _teleop(sim, NO_RELEASES)
     sim.set("pad_a", True)
@@ -162,14 +154,11 @@ def test_a_lost_robot_is_reported_in_words_for_drivers(sim: roburoc4.Simulator) 
     assert ".link" not in terminal.text
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
-def test_signals_stop_the_robot_and_restore_the_terminal(
-    sim: roburoc4.Simulator, number: signal.Signals, code: int
-) -> None:
+def test_a_signal_stops_the_robot_and_restores_the_terminal(sim: roburoc4.Simulator) -> None:
     terminal = _teleop(sim, NO_RELEASES)
     _hold_until(terminal, "w", lambda: _moves(sim))
-    terminal.send_signal(number)
-    assert terminal.wait() == code
+    terminal.send_signal(signal.SIGHUP)
+    assert terminal.wait() == 129
     assert last_command_is_zero(sim)
     assert "\x1b[<u" in terminal.text
     assert "\x1b[?1004l" in terminal.text

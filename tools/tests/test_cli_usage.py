@@ -16,27 +16,11 @@ BAD = {
     "unknown command": ["fly"],
     "unknown option": ["info", "--quick"],
     "abbreviation": ["monitor", "--sec", "1"],
-    "too many": ["info", "more"],
-    "drive: too few": ["drive", "0.5"],
     "drive: no time": ["drive", "0.5", "0"],
     "drive: nan": ["drive", "nan", "0", "--seconds", "1"],
-    "drive: inf": ["drive", "0", "inf", "--seconds", "1"],
     "drive: -inf": ["drive", "-inf", "0", "--seconds", "1"],
-    "drive: -nan": ["drive", "0", "-nan", "--seconds", "1"],
-    "drive: larger than a float": ["drive", "1e39", "0", "--seconds", "1"],
-    "drive: word": ["drive", "fast", "0", "--seconds", "1"],
-    "drive: negative time": ["drive", "0.5", "0", "--seconds", "-1"],
-    "drive: no time at all": ["drive", "0.5", "0", "--seconds", "0"],
-    "drive: nan time": ["drive", "0.5", "0", "--seconds", "nan"],
-    "drive: endless": ["drive", "0.5", "0", "--seconds", "inf"],
     "monitor: negative time": ["monitor", "--seconds", "-1"],
-    "monitor: nan time": ["monitor", "--seconds=nan"],
-    "record: negative time": ["record", "file.csv", "--seconds", "-0.5"],
-    "doctor: endless": ["doctor", "--seconds", "inf"],
-    "relocalize: nan": ["relocalize", "nan", "0", "0"],
-    "relocalize: -inf": ["relocalize", "0", "0", "-inf"],
     "output: reserved": ["output", "0", "on"],
-    "output: negative": ["output", "-1", "on"],
     "output: maybe": ["output", "1", "maybe"],
     "teleop: no terminal": ["teleop"],
 }
@@ -52,10 +36,10 @@ def test_a_bad_command_line_is_one_line_and_sends_nothing(arguments: list[str]) 
         assert sim.state.requests == 0
 
 
-@pytest.mark.parametrize("robot", ["", ":60000", "robot:0", "robot:70000", "a b", "[::1"])
-@pytest.mark.parametrize("command", [["info"], ["doctor"], ["stop"]])
-def test_a_bad_address_is_bad_usage(command: list[str], robot: str) -> None:
-    done = run(*command, "--robot", robot)
+@pytest.mark.parametrize("robot", ["", ":60000", "robot:70000", "[::1"])
+@pytest.mark.parametrize("command", ["info", "doctor"])
+def test_a_bad_address_is_bad_usage(command: str, robot: str) -> None:
+    done = run(command, "--robot", robot)
     assert done.returncode == 2
     one_line(done.stderr)
 
@@ -90,24 +74,16 @@ def test_the_address_may_stand_anywhere() -> None:
         assert run("stop", robot=sim.address).returncode == 0
 
 
-@pytest.mark.parametrize("command", [["info"], ["monitor", "--seconds", "1"], ["stop"]])
-def test_an_absent_robot_exits_3_and_says_what_to_check(command: list[str]) -> None:
+def test_an_absent_robot_exits_3_and_says_what_to_check() -> None:
     with roburoc4.Simulator(port=0) as sim:
         address = sim.address
-    done = run(*command, "--robot", address)
+    done = run("stop", "--robot", address)
     assert done.returncode == 3
     assert "check" in one_line(done.stderr)
     assert address in done.stderr
 
 
-def test_an_unknown_name_exits_3() -> None:
-    done = run("info", "--robot", "no-such-robot.invalid")
-    assert done.returncode == 3
-    assert one_line(done.stderr).count("no-such-robot.invalid") == 1
-
-
-@pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
-def test_signals_end_it_while_it_still_connects(name: str, code: int) -> None:
+def test_a_signal_ends_it_while_it_still_connects() -> None:
     import signal
     import socket
     import time
@@ -117,28 +93,9 @@ def test_signals_end_it_while_it_still_connects(name: str, code: int) -> None:
         process = start("info", robot=f"127.0.0.1:{silent.getsockname()[1]}")
         silent.recv(100)
         time.sleep(0.1)
-        process.send_signal(getattr(signal, name))
+        process.send_signal(signal.SIGINT)
         _, stderr = process.communicate(timeout=120)
-    assert (process.returncode, stderr) == (code, "")
-
-
-def test_without_rich_it_says_what_to_install() -> None:
-    program = "import sys; sys.modules['rich'] = None; from roburoc4_tools.cli import main; main()"
-    done = subprocess.run(
-        [sys.executable, "-c", program, "--help"], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, "help needs nothing but Python"
-
-
-def test_it_starts_quickly() -> None:
-    program = (
-        "import sys; from roburoc4_tools.cli.app import parser; parser();"
-        "print([name for name in ('rich', 'asyncio', 'numpy') if name in sys.modules])"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    assert done.stdout == "[]\n"
+    assert (process.returncode, stderr) == (130, "")
 
 
 def test_a_module_that_is_missing_is_named() -> None:
@@ -174,11 +131,8 @@ def _shell(line: str, robot: str) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize(
     "line",
     [
-        "roburoc4 --help | true",
         "roburoc4 info | true",
         "roburoc4 info >&-",
-        "roburoc4 stop 2>&-",
-        "roburoc4 drive 0 0 --seconds 0.1 <&-",
         "roburoc4 drive 0 0 --seconds 0.1 --json | true",
         "PYTHONIOENCODING=ascii roburoc4 info | cat",
     ],
@@ -189,7 +143,7 @@ def test_it_stays_quiet_whatever_the_shell_does_to_its_streams(line: str) -> Non
     assert (done.returncode, done.stderr) == (0, "")
 
 
-@pytest.mark.parametrize("command", ["info", "monitor --json", "doctor --json --seconds 1"])
+@pytest.mark.parametrize("command", ["info", "monitor --json"])
 def test_a_full_disk_is_one_line(command: str) -> None:
     with roburoc4.Simulator(port=0) as sim:
         done = _shell(f"roburoc4 {command} > /dev/full", sim.address)
@@ -213,32 +167,6 @@ def test_an_unexpected_error_is_one_line() -> None:
     assert done.returncode == 1
     assert "ZeroDivisionError" in one_line(done.stderr)
     assert "Traceback" in loud.stderr
-
-
-@pytest.mark.parametrize(
-    ("words", "expected"), [(["mon"], "monitor"), (["drive", "--sec"], "--seconds")]
-)
-def test_bash_completes_commands_and_options(words: list[str], expected: str) -> None:
-    script = run("completion", "bash").stdout
-    line = " ".join(["roburoc4", *words])
-    before, last = (["roburoc4", *words][-2], words[-1])
-    asked = (
-        f"COMP_WORDS=({line}); COMP_CWORD={len(words)}; COMP_LINE='{line}'\n"
-        "complete_with=$(complete -p roburoc4 | sed 's/.*-F \\([^ ]*\\).*/\\1/')\n"
-        f'"$complete_with" roburoc4 "{last}" "{before}"\n'
-        'echo "${COMPREPLY[@]}"\n'
-    )
-    done = subprocess.run(
-        ["bash", "-c", script + asked], capture_output=True, text=True, check=True, timeout=20
-    )
-    assert done.stdout.split() == [expected]
-
-
-@pytest.mark.parametrize("shell", ["zsh", "tcsh", "fish"])
-def test_other_shells_have_a_completion_script(shell: str) -> None:
-    done = run("completion", shell)
-    assert done.returncode == 0
-    assert "monitor" in done.stdout
 
 
 def test_fish_completes_commands_options_and_choices(tmp_path: Path) -> None:
@@ -267,13 +195,6 @@ def test_fish_completes_commands_options_and_choices(tmp_path: Path) -> None:
             timeout=60,
         )
         assert done.stdout.split("\t")[0] == expected, done.stderr
-
-
-@pytest.mark.parametrize(
-    "arguments", [["info", "--quick"], ["move", "1", "--far"], ["info", "more"], ["drive", "1"]]
-)
-def test_an_error_names_the_help_of_the_command(arguments: list[str]) -> None:
-    assert f"see roburoc4 {arguments[0]} --help" in one_line(run(*arguments).stderr)
 
 
 def test_ros2_without_its_package_says_what_installs_it(tmp_path: Path) -> None:

@@ -4,7 +4,6 @@
 import csv
 import math
 from collections.abc import Callable
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +16,10 @@ from robot_support import size_of, until
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import QosDurability, QosReliability
 from rosbags.rosbag2.metadata import parse_qos
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, get_typestore
 
 import roburoc4
 from roburoc4_tools.recordings.capture import Capture
-from roburoc4_tools.ros.messages import definition
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 TOPICS = {
@@ -109,20 +107,6 @@ def test_an_mcap_file_has_the_values_that_were_sent(path: Path, tmp_path: Path) 
     assert texts[-1] == "192.168.0.5:40001 stopped the robot, after 5.0 s of driving"
 
 
-def test_an_mcap_file_has_what_the_node_publishes_besides_statuses(
-    path: Path, tmp_path: Path
-) -> None:
-    out = tmp_path / "run.mcap"
-    assert run("convert", str(path), str(out)).returncode == 0
-    found = messages(out)
-    (description,) = [one.data for _, one in found["/robot_description"]]
-    assert '<link name="range_front"' in description
-    assert [one.data for _, one in found["/inhibited"]] == [False] * len(found["/inhibited"])
-    assert len(found["/bumpers/front"]) in {5, 6}, "once a second"
-    names = {each.name for _, one in found["/diagnostics"] for each in one.status}
-    assert {f"roburoc4: {name}" for name in ("link", "driving", "battery", "versions")} <= names
-
-
 def test_a_recorded_drive_is_no_fault(path: Path, tmp_path: Path) -> None:
     """Who converts only watches: the recorded program is not in its way."""
     assert run("convert", str(path), str(tmp_path / "run.mcap")).returncode == 0
@@ -170,19 +154,6 @@ def test_ros2_bag_finds_qos_and_metadata_in_an_mcap_file(path: Path, tmp_path: P
     assert "differential" in about["services"].lower()
 
 
-def test_the_definitions_are_those_of_ros() -> None:
-    for kind in set(TOPICS.values()):
-        found = get_types_from_msg(definition(kind.replace("/msg/", "/")), kind)
-        for name, (_, fields) in found.items():
-            theirs = [field for field in STORE.get_msgdef(name).fields if field[0] != "structure_"]
-            assert list(fields) == theirs, name
-
-
-def test_no_topic_is_one_that_a_robot_obeys(path: Path, tmp_path: Path) -> None:
-    assert run("convert", str(path), str(tmp_path / "a.mcap")).returncode == 0
-    assert not {"/cmd_vel", "/joy_teleop", "/initialpose"} & set(messages(tmp_path / "a.mcap"))
-
-
 def rows(path: Path) -> list[dict[str, str]]:
     with path.open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
@@ -225,21 +196,6 @@ def test_csv_becomes_mcap_and_mcap_becomes_csv(path: Path, tmp_path: Path) -> No
             assert float(cell or 0) == pytest.approx(float(old[name] or 0), abs=1e-6), name
 
 
-def test_a_live_mcap_file_becomes_rows_of_one_cycle(tmp_path: Path) -> None:
-    bag, table = tmp_path / "a.mcap", tmp_path / "b.csv"
-    with roburoc4.Simulator(port=0) as sim:
-        assert run("record", str(bag), "--seconds", "1", robot=sim.address).returncode == 0
-    found = messages(bag)
-    done = document(run("convert", str(bag), str(table), "--json"))
-    made = rows(table)
-    assert len(made) == done["rows"]
-    assert sum(bool(row["localization_x_m"]) for row in made) == len(found["/odom"])
-    applied = [row for row in made if row["differential_target_linear_m_s"]]
-    assert len(applied) == len(found["/cmd_vel_applied"])
-    times = [float(row["utc_s"]) for row in made]
-    assert min(later - earlier for earlier, later in pairwise(times)) > 0.005
-
-
 def cut(data: bytes) -> bytes:
     return data[: len(data) // 2]
 
@@ -249,8 +205,9 @@ def spoiled(data: bytes) -> bytes:
     return data[:half] + b"\0\xff\n\0" * 4096 + data[half + 4 * 4096 :]
 
 
-@pytest.mark.parametrize("damage", [cut, spoiled])
-@pytest.mark.parametrize(("form", "other"), [(".csv", ".mcap"), (".mcap", ".csv")])
+@pytest.mark.parametrize(
+    ("form", "other", "damage"), [(".csv", ".mcap", spoiled), (".mcap", ".csv", cut)]
+)
 def test_a_damaged_table_or_bag_is_recovered_first(
     tmp_path: Path, form: str, other: str, damage: Callable[[bytes], bytes]
 ) -> None:
@@ -274,9 +231,7 @@ def test_a_damaged_table_or_bag_is_recovered_first(
     ("text", "why"),
     [
         ("", "utc_s"),
-        ("a,b\r\n1,2\r\n", "utc_s"),
         ("utc_s,localization_x_m\r\n1.5,fast\r\n", "fast"),
-        ("utc_s,localization_x_m\r\n,1.5\r\n", "utc_s"),
         ("utc_s,telemeter_distance_0_m\r\n1.5,1e99\r\n", "1e99"),
     ],
 )
@@ -290,16 +245,15 @@ def test_a_table_of_something_else_is_one_line(tmp_path: Path, text: str, why: s
     assert not (tmp_path / "b.mcap").exists()
 
 
-@pytest.mark.parametrize("form", [".csv", ".mcap"])
-def test_statuses_do_not_become_datagrams(path: Path, tmp_path: Path, form: str) -> None:
-    source, out = tmp_path / f"a{form}", tmp_path / "b.pcapng"
+def test_statuses_do_not_become_datagrams(path: Path, tmp_path: Path) -> None:
+    source, out = tmp_path / "a.csv", tmp_path / "b.pcapng"
     assert run("convert", str(path), str(source)).returncode == 0
     failed = run("convert", str(source), str(out))
     assert failed.returncode == 2
     assert "datagrams" in one_line(failed.stderr)
     assert "roburoc4 record" in failed.stderr
     assert not out.exists()
-    same = run("convert", str(source), str(tmp_path / f"c{form}"))
+    same = run("convert", str(source), str(tmp_path / "c.csv"))
     assert same.returncode == 2
     assert "copy" in one_line(same.stderr)
 

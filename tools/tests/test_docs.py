@@ -6,7 +6,6 @@ import shlex
 from pathlib import Path
 
 import pytest
-import python_reference
 
 from roburoc4_tools.cli.app import parser
 
@@ -24,14 +23,6 @@ def test_the_parser_accepts_each_command_of_a_page(page: Path) -> None:
     for command in commands:
         _, unknown = parser().parse_known_args(shlex.split(command, comments=True))
         assert not unknown or command.startswith("sim "), command
-
-
-def test_the_reference_shows_what_must_be_named() -> None:
-    text = python_reference.page()
-    assert "`drive(linear_m_s, angular_rad_s, *, lease_s=None)`" in text
-    assert "`rest(*, timeout=None)`" in text
-    assert "timeout=10.0, wait=True" in text
-    assert "`connect(host='192.168.0.2', *, timeout" in text
 
 
 def test_the_manual_page_has_every_command_and_no_other() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cli_support import one_line, run, start
+from cli_support import run, start
 from rosbags.typesys import Stores, get_typestore
 from websockets.sync.client import ClientConnection, connect
 
@@ -133,10 +133,3 @@ def test_the_layout_shows_topics_that_there_are(tmp_path: Path) -> None:
     shown = {text.partition(".")[0] for text in texts(layout) if text.startswith("/")}
     assert shown <= {f"/{topic}" for topic in TOPICS}
     assert len(shown) >= 6
-
-
-def test_a_port_that_is_taken_is_named(url: str, sim: roburoc4.Simulator) -> None:
-    port = url.rpartition(":")[2]
-    taken = run("foxglove", "--port", port, robot=sim.address)
-    assert taken.returncode == 2
-    assert "--port" in one_line(taken.stderr)

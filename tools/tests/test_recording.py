@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Recordings as sources: what was sent is what is read, and events have their time."""
 
-import math
 import random
 import struct
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +18,6 @@ from capture_support import (
     commands,
     discovery,
     drive,
-    pcap,
     pcapng,
     statuses,
     write,
@@ -56,15 +53,6 @@ def test_statuses_have_the_values_and_times_that_were_sent(path: Path) -> None:
         sent = protocol.decode(packet.payload)._replace(host_us=packet.time_us, utc_s=status.utc_s)
         assert repr(status) == repr(sent)  # NaN differs from itself
         assert status.utc_s == pytest.approx(packet.time_us / 1e6, abs=1e-3)
-
-
-def test_a_capture_of_tcpdump_reads_like_our_own(tmp_path: Path) -> None:
-    packets = drive()
-    ours = write(tmp_path / "a.pcapng", packets)
-    theirs = tmp_path / "b.pcap"
-    theirs.write_bytes(pcap(packets, link="vlan"))
-    both = [list(recordings.open_recording(file).items()) for file in (ours, theirs)]
-    assert repr(both[0]) == repr(both[1])
 
 
 def test_columns_are_arrays_in_unix_time(path: Path) -> None:
@@ -118,14 +106,6 @@ def test_a_silence_is_an_event_at_its_time_and_so_is_its_end(path: Path) -> None
     ]
 
 
-def test_a_restart_is_an_event(path: Path) -> None:
-    first = statuses(BEGIN_US + 100_000, 2.0, speed=0)
-    after = statuses(BEGIN_US + 2_600_000, 2.0, 3, speed=0)
-    assert "the robot restarted" in [
-        text for _, text in events(path, [*discovery(), *first, *after])
-    ]
-
-
 def test_the_game_pad_and_bumpers_are_events(path: Path) -> None:
     parts = [
         statuses(
@@ -146,19 +126,6 @@ def test_only_an_unrecorded_commander_is_another_commander(path: Path) -> None:
     assert [text for _, text in events(path, moved)] == ["another client commands the robot"]
     packets = sorted([*moved, *commands(BEGIN_US + 90_000, 3.0)], key=lambda packet: packet.time_us)
     assert [text for _, text in events(path, packets)] == ["192.168.0.5:40001 begins to drive"]
-
-
-def test_a_passive_recording_of_a_drive_has_no_fault(path: Path) -> None:
-    def levels(packets: Sequence[Packet]) -> dict[str, str]:
-        items = recordings.open_recording(write(path, packets)).items()
-        found = [item for item in items if isinstance(item, recordings.RecordedEvent)]
-        return {event.text: event.level for event in found}
-
-    other = "another client commands the robot"
-    assert levels([*discovery(), *statuses(BEGIN_US + 100_000, 3.0)])[other] == "plain"
-    before = commands(BEGIN_US + 90_000, 0.2)
-    moved = statuses(BEGIN_US + 3_000_000, 3.0)
-    assert levels([*discovery(), *before, *moved])[other] == "bad", "this one wants to drive, too"
 
 
 def test_what_two_clients_received_is_counted_once(path: Path) -> None:
@@ -204,12 +171,6 @@ def test_a_robot_object_uses_the_recordings_time(path: Path) -> None:
         assert robot.closed
         with pytest.raises(roburoc4.RobotError):
             robot.arm()
-
-
-def test_without_a_directory_the_manuals_services_are_assumed(path: Path) -> None:
-    recording = recordings.open_recording(write(path, statuses(BEGIN_US, 1.0)))
-    assert not recording.head.answers.complete
-    assert len(list(recording)) == len(statuses(BEGIN_US, 1.0))
 
 
 def test_other_service_ids_are_those_of_the_directory(path: Path) -> None:
@@ -265,41 +226,14 @@ def test_a_capture_of_something_else_is_named(path: Path) -> None:
         recordings.open_recording(path.with_name("none"))
 
 
-@pytest.mark.parametrize("seed", range(100))
-def test_a_damaged_recording_is_an_error_and_no_crash(path: Path, seed: int) -> None:
-    chance = random.Random(seed)
-    data = bytearray(pcapng(drive(1.0)))
-    for _ in range(chance.choice([1, 10, 1000])):
-        data[chance.randrange(48, len(data))] = chance.randrange(256)
-    path.write_bytes(data)
-    with suppress(roburoc4.RecordingError):
-        for item in recordings.open_recording(path).items():
-            assert item.host_us >= 0
-
-
-def test_any_payloads_are_read_without_a_crash(path: Path) -> None:
+def test_a_damaged_recording_is_an_error_and_no_crash(path: Path) -> None:
     chance = random.Random(1)
-    packets = drive(1.0)
-    for at in range(3000):
-        ends = chance.choice([(ROBOT, CLIENT), (CLIENT, ROBOT)])
-        data = chance.randbytes(chance.choice([0, 1, 3, 5, 11, 27, 50]))
-        data = chance.choice([b"", b"\xff", b"\xff\x06\x00", b"\x00", b"\x05\x00"]) + data
-        packets.append(Packet(BEGIN_US + 1_200_000 + at * 1000, *ends, data))
-    assert len(list(recordings.open_recording(write(path, packets)).items())) > 50
-
-
-def test_missing_distances_stay_nan(path: Path) -> None:
-    columns = recordings.open_recording(write(path, drive(1.0))).columns("telemeter")
-    assert all(math.isnan(value) for value in columns["distance_1_m"])
-
-
-@pytest.mark.parametrize("name", ["none.pcapng", "", "x"])
-def test_a_file_that_is_missing_is_a_recording_error(name: str, tmp_path: Path) -> None:
-    with pytest.raises(roburoc4.RecordingError, match=(tmp_path / name).name):
-        recordings.open_recording(tmp_path / name)
-
-
-@pytest.mark.parametrize("path", [None, 1, b"x", "\0", object(), []])
-def test_what_is_no_path_is_named(path: Any) -> None:
-    with pytest.raises(roburoc4.RobotError, match=r"path|x|\0"):
-        recordings.open_recording(path)
+    whole = pcapng(drive(1.0))
+    for changes in [1, 10, 1000] * 10:
+        data = bytearray(whole)
+        for _ in range(changes):
+            data[chance.randrange(48, len(data))] = chance.randrange(256)
+        path.write_bytes(data)
+        with suppress(roburoc4.RecordingError):
+            for item in recordings.open_recording(path).items():
+                assert item.host_us >= 0

@@ -3,21 +3,14 @@
 
 import asyncio
 import gc
-import itertools
 import math
 import threading
 
 import pytest
-from robot_support import first_zero_s, until
+from robot_support import until
 
 import roburoc4
 from roburoc4 import Event, Simulator
-
-
-def test_aio_is_there_without_an_import_of_its_own() -> None:
-    assert callable(roburoc4.aio.connect)
-    with pytest.raises(AttributeError, match="coffee"):
-        _ = roburoc4.coffee
 
 
 def test_a_program_of_coroutines(served: Simulator) -> None:
@@ -91,37 +84,6 @@ def test_events_and_statuses_wait_no_longer_than_requested(served: Simulator) ->
     asyncio.run(program())
 
 
-def test_statuses_are_iterated_without_loss(served: Simulator) -> None:
-    async def program() -> list[int]:
-        async with roburoc4.aio.connect(served.address) as robot:
-            cycles = []
-            statuses = robot.statuses("localization")
-            await asyncio.sleep(0.5)
-            async for status in statuses:
-                cycles.append(status.robot_cycles)
-                if len(cycles) == 20:
-                    break
-            assert statuses.lost == 0
-            return cycles
-
-    cycles = asyncio.run(program())
-    assert {after - before for before, after in itertools.pairwise(cycles)} == {5}
-
-
-def test_iteration_ends_at_close(served: Simulator) -> None:
-    async def program() -> int:
-        robot = await roburoc4.aio.connect(served.address)
-        closing = None
-        count = 0
-        async for _ in robot.statuses():
-            count += 1
-            closing = closing or asyncio.ensure_future(robot.close())
-        await robot.close()
-        return count
-
-    assert asyncio.run(program()) > 0
-
-
 def test_an_async_progress_function_is_awaited(served: Simulator) -> None:
     seen: list[float] = []
 
@@ -160,48 +122,6 @@ def test_cancelling_a_drive_stops_the_robot(served: Simulator) -> None:
                 await task
             assert not robot.facts.driving
             await asyncio.to_thread(until, lambda: served.state.last_linear_m_s == 0)
-
-    asyncio.run(program())
-
-
-def test_stop_in_another_task_ends_a_drive(served: Simulator) -> None:
-    async def program() -> None:
-        async with roburoc4.aio.connect(served.address) as robot:
-            task = await driving(robot, served)
-            robot.stop()
-            with pytest.raises(roburoc4.NotArmedError, match="stop") as caught:
-                await task
-            assert caught.value.code == roburoc4.Result.STOPPED
-
-    asyncio.run(program())
-
-
-def test_cancelling_the_whole_block_stops_the_robot(served: Simulator) -> None:
-    async def drive() -> None:
-        async with roburoc4.aio.connect(served.address) as robot:
-            await robot.arm()
-            robot.drive(0.5, 0.0, lease_s=1.0)
-            await robot.wait_for(lambda r: False, timeout=60)
-
-    async def program() -> None:
-        task = asyncio.create_task(drive())
-        await asyncio.to_thread(until, lambda: served.state.last_linear_m_s != 0)
-        task.cancel()
-        with pytest.raises(asyncio.CancelledError):
-            await task
-
-    asyncio.run(program())
-    assert served.state.last_linear_m_s == 0
-    assert not served.state.watchdog_tripped
-
-
-def test_a_loop_that_hangs_stops_the_robot(served: Simulator) -> None:
-    async def program() -> None:
-        async with roburoc4.aio.connect(served.address) as robot:
-            await robot.arm()
-            robot.drive(0.5, 0.0)
-            first_zero_s(served)  # blocks the event loop
-            assert not served.state.watchdog_tripped
 
     asyncio.run(program())
 

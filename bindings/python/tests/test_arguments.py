@@ -44,41 +44,19 @@ Call = Callable[[Robot], object]
 @pytest.mark.parametrize(
     ("call", "text"),
     [
-        (lambda r: r.drive(float("nan"), 0), "linear_m_s: nan .* a finite number"),
-        (lambda r: r.drive(0, 1e300), r"angular_rad_s: 1e\+300 .* a finite number"),
         (lambda r: r.drive(1e308, 0), r"linear_m_s: 1e\+308 .* -3.4e\+38 to 3.4e\+38"),
-        (lambda r: r.drive("0.1", 0), "linear_m_s: '0.1' .* a finite number"),
-        (lambda r: r.drive(0.1, 0, lease_s="a"), "lease_s: 'a' .* 0.02 to 1 s"),
         (lambda r: r.drive(0, 0, lease_s=250), "lease_s: 250 .* 0.02 to 1 s"),
-        (lambda r: r.drive(0, 0, lease_s=-0.1), "lease_s: -0.1 .* 0.02 to 1 s"),
         (lambda r: r.subscribe("battery", 15), "period_ms: 15 .* multiple of 10, 10 to 2550"),
-        (lambda r: r.subscribe("battery", 0), "period_ms: 0 .* multiple of 10, 10 to 2550"),
-        (lambda r: r.subscribe("battery", -1), "period_ms: -1 .* multiple of 10, 10 to 2550"),
-        (lambda r: r.subscribe("battery", "a"), "period_ms: 'a' .* multiple of 10, 10 to 2550"),
         (lambda r: r.role_index(9), "role: 9 .* Role.FRONT_BUMPER"),
         (lambda r: r.host_time_s(-1), "robot_cycles: -1 .* 0 to"),
-        (lambda r: r.host_time_s("a"), "robot_cycles: 'a' .* 0 to"),
         (lambda r: r.age_s("sonar"), "'sonar' .* iocard, telemeter"),
-        (lambda r: r.service_link(17), "17 .* iocard, telemeter"),
         (lambda r: r.drive_for(0, 0, -1), "seconds: -1 .* 0 to"),
-        (lambda r: r.record(float("nan")), "seconds: nan .* 0 to"),
-        (lambda r: r.sleep(float("nan")), "seconds: nan .* 0 to"),
-        (lambda r: r.arm(timeout=float("nan")), "timeout: nan .* 0 to"),
-        (lambda r: r.wait_ready(-1), "timeout: -1 .* 0 to"),
-        (lambda r: r.wait_for("battery", "1"), "timeout: '1' .* 0 to"),
         (lambda r: next(r.events(timeout=-1)), "timeout: -1 .* 0 to"),
-        (lambda r: r.move("1"), "distance_m: '1' .* a finite number"),
         (lambda r: r.relocalize(0, float("inf"), 0), "y_m: inf .* a finite number"),
-        (lambda r: r.goto(float("nan"), 0), "x_m: nan .* a finite number"),
         (lambda r: r.move(1, speed=0), "speed: 0 .* more than 0, up to 5 m/s"),
-        (lambda r: r.move(1, speed="a"), "speed: 'a' .* more than 0, up to 5 m/s"),
         (lambda r: r.move(1, timeout="a"), "timeout: 'a' .* 0.001 to"),
-        (lambda r: r.drive_for("a", 0, 1), "linear_m_s: 'a' .* a finite number"),
         (lambda r: r.digital_outputs[99], "no digital output 99: its 8 are 0 to 7"),
         (lambda r: r.digital_outputs.set({3: "off"}), r"outputs\[3\]: 'off' .* True or False"),
-        (lambda r: r.digital_outputs.set({3: float("nan")}), "nan .* True or False"),
-        (lambda r: r.digital_outputs.set({3: 2}), "2 .* True or False"),
-        (lambda r: r.digital_outputs[1.5], "no digital output 1.5: its 8 are 0 to 7"),
         (lambda r: r.inputs[8], r"inputs.digital\(8\) or inputs.analog\(8\)"),
     ],
 )
@@ -95,22 +73,11 @@ def test_an_argument_error_names_value_and_range(
     ("settings", "text"),
     [
         ({"lease_ms": 5}, "lease_ms: 5 .* give 20 to 1000"),
-        ({"lease_ms": 10**12}, "lease_ms: 1000000000000 .* give 20 to 1000"),
-        ({"lease_ms": 250.5}, "lease_ms: 250.5 .* give 20 to 1000"),
-        ({"lost_ms": -1}, "lost_ms: -1 .* give 200 to 60000"),
         ({"max_linear_m_s": math.nan}, "max_linear_m_s: nan .* give 0.001 to 20"),
-        ({"max_linear_m_s": 1e300}, r"max_linear_m_s: 1e\+300 .* give 0.001 to 20"),
         ({"fresh_ms": 100}, "fresh_ms: 100 .* at most a third of fresh_ms"),
-        ({"lease_ms": "a"}, "lease_ms: 'a' .* give 20 to 1000"),
-        ({"max_linear_m_s": "0.5"}, "max_linear_m_s: '0.5' .* give 0.001 to 20"),
-        ({"override_index": "a"}, "override_index: 'a' .* index to 63"),
         ({"period_ms": 50}, 'period_ms: 50 .* {"battery": 500}'),
         ({"ignore_other_commander": "off"}, "ignore_other_commander: 'off' .* True or False"),
-        ({"allow_unknown_override": "no"}, "allow_unknown_override: 'no' .* True or False"),
-        ({"turn_keeping": 2}, "turn_keeping: 2 .* True or False"),
-        ({"buffer": "a"}, "buffer: 'a' .* 16 to 1000000"),
         ({"period_ms": {"battery": 15}}, "period_ms: {'battery': 15} .* multiples of 10"),
-        ({"override_index": 99}, "override_index: 99 .* index to 63"),
         ({"buffer": 3}, "buffer: 3 .* 16 to 1000000"),
         (
             {"period_ms": {"battery": 500}, "drive_period_ms": 5},
@@ -134,16 +101,10 @@ def test_a_setting_that_cannot_be_used_names_its_range(
         ({"timeout": "1", "wait": True}, "timeout: '1' .* 0 to"),
         ({"period_ms": {"coffee": 50}}, "service: 'coffee' .* iocard, telemeter"),
         ({"wait": "no"}, "wait: 'no' .* True or False"),
-        ({"record_max_s": "a"}, "record_max_s: 'a' .* 1 to"),
         ({"record": "x\0y.pcapng"}, r"record: 'x\\x00y.pcapng' .* a path"),
-        ({"record": Path("x\0y.pcapng")}, r"record: 'x\\x00y.pcapng' .* a path"),
-        ({"record": 5}, "record: 5 .* a path"),
         ({"record": ""}, "record: '' cannot be used"),
-        ({"record": 2000 * "x"}, "record: 'x+' cannot be used"),
         ({"host": None}, "None is not an address: give HOST"),
         ({"host": "127.0.0.1\0.evil"}, r"'127.0.0.1\\x00.evil' is not an address: give HOST"),
-        ({"host": 5}, "5 is not an address: give HOST"),
-        ({"host": b"x"}, "b'x' is not an address: give HOST"),
     ],
 )
 def test_connect_names_what_it_cannot_use(
@@ -166,36 +127,6 @@ def test_no_end_no_switch_and_no_time_left_are_accepted(roburoc4_simulator: Simu
     with roburoc4_simulator.connect(timeout=math.inf, turn_keeping=None) as robot:
         robot.arm(timeout=math.inf)
         robot.sleep(-1e-9)
-
-
-def test_threaded_is_true_or_false() -> None:
-    with pytest.raises(ArgumentError, match=r"threaded: 'no' .* True or False"):
-        roburoc4.connect("127.0.0.1:9", wait=False, threaded="no")  # type: ignore[call-overload]
-
-
-def test_a_robot_remains_open_after_a_bad_timeout(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        with pytest.raises(ArgumentError):
-            robot.wait_ready(-1)
-        robot.wait_ready()
-
-
-def test_states_and_causes_are_members_of_enumerations(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        assert robot.facts.state is roburoc4.State.READY
-        assert robot.facts.disarm_cause is Result.DISARMED
-        robot.wait_for(lambda r: r.facts.arm_refusal is Result.OK)
-        with pytest.raises(roburoc4.NotArmedError) as caught:
-            robot.drive(0.1, 0.0)
-        assert caught.value.code is Result.DISARMED
-
-
-def test_outputs_and_inputs_can_be_listed(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.digital_outputs[3] = True
-        assert list(robot.digital_outputs) == [index == 3 for index in range(8)]
-        assert list(robot.analog_outputs) == []
-        assert "Front bumper" in list(robot.inputs)
 
 
 def test_floats_are_printed_as_a_person_would_write_them() -> None:

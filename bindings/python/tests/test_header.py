@@ -3,7 +3,6 @@
 
 import ast
 import re
-from enum import IntEnum
 from pathlib import Path
 
 import pytest
@@ -91,19 +90,8 @@ def test_every_reason_against_driving_has_a_remedy() -> None:
             assert re.search(r"; |arm\(\)", str(error))
 
 
-def test_events_of_the_library_fit_what_is_waited_for() -> None:
-    from roburoc4.connection import ALL_EVENTS
-
-    assert sum(constants.Event) == ALL_EVENTS
-
-
 def test_the_stubs_name_functions_that_exist() -> None:
     stub = Path(roburoc4.__file__).with_name("_native.pyi").read_text(encoding="utf-8")
     functions = [n.name for n in ast.walk(ast.parse(stub)) if isinstance(n, ast.FunctionDef)]
     assert len(functions) > 80
     assert [name for name in functions if not hasattr(_native, name)] == []
-
-
-def test_enumerations_are_integers() -> None:
-    assert all(issubclass(f, int) for f, _ in FAMILIES.values())
-    assert issubclass(constants.Service, IntEnum)

@@ -4,9 +4,7 @@
 import logging
 
 import pytest
-from robot_support import until
 
-import roburoc4
 from roburoc4 import Simulator
 
 
@@ -32,19 +30,6 @@ def test_the_log_reports_connecting_arming_and_losses(
         ("INFO", "the simulator: closing"),
     ):
         assert (level, text) in said
-
-
-def test_the_log_of_a_thread_is_written_without_being_asked(
-    served: Simulator, caplog: pytest.LogCaptureFixture
-) -> None:
-    caplog.set_level(logging.INFO, logger="roburoc4")
-    with roburoc4.connect(served.address) as robot:
-        robot.arm()
-        until(lambda: "armed" in caplog.text)
-        robot.stop()
-        until(lambda: "stopped by this program" in caplog.text)
-        assert served.address in caplog.text
-    assert "WARNING" not in caplog.text
 
 
 def test_without_a_handler_nothing_is_printed(

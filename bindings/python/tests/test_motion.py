@@ -9,15 +9,6 @@ import roburoc4
 from roburoc4 import Event, Result, Simulator, StopOutcome
 
 
-def test_three_lines_drive_the_robot(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.arm()
-        robot.drive_for(0.5, 0.0, seconds=2)
-    assert 0.5 < roburoc4_simulator.true_pose.x_m < 1.2
-    assert roburoc4_simulator.state.last_linear_m_s == 0
-    assert roburoc4_simulator.state.target_linear_m_s == 0
-
-
 def test_drive_while_disarmed_names_cause_and_remedy(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         with pytest.raises(roburoc4.NotArmedError, match=r"arm\(\)") as caught:
@@ -27,28 +18,9 @@ def test_drive_while_disarmed_names_cause_and_remedy(roburoc4_simulator: Simulat
     assert roburoc4_simulator.state.speed_commands == 0
 
 
-def test_a_lease_can_be_given_with_the_command(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.arm()
-        robot.drive(0.5, 0.0, lease_s=1.0)
-        roburoc4_simulator.step(0.9)
-        assert robot.facts.driving
-        roburoc4_simulator.step(0.2)
-        assert not robot.facts.driving
-        with pytest.raises(roburoc4.ArgumentError):
-            robot.drive(0.5, 0.0, lease_s=0.005)
-
-
 def test_arm_waits_for_what_the_next_status_brings(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         assert robot.facts.arm_refusal == Result.STALE_DIFFERENTIAL
-        robot.arm()
-        assert robot.facts.armed
-
-
-@pytest.mark.parametrize("setting", ["answer_id_fixed", "only_id_fixed"])
-def test_arm_waits_for_the_inputs_of_a_robot_whose_ids_are_the_manuals(setting: str) -> None:
-    with Simulator(**{setting: 1}) as sim, sim.connect() as robot:
         robot.arm()
         assert robot.facts.armed
 

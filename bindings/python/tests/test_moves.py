@@ -2,7 +2,6 @@
 """Moves end where they should, with a result; all of it in virtual time but for asyncio."""
 
 import asyncio
-import itertools
 import math
 import pickle
 from collections.abc import Iterator
@@ -63,7 +62,11 @@ def test_rest_waits_until_the_robot_stands(sim: Simulator) -> None:
 def test_degrees_and_speeds_beyond_the_ceilings_are_refused(sim: Simulator) -> None:
     with sim.connect() as robot:
         robot.arm()
-        for turn in (lambda: robot.turn(90.0), lambda: robot.arc(1.0, 90.0)):
+        for turn in (
+            lambda: robot.turn(90.0),
+            lambda: robot.arc(1.0, 90.0),
+            lambda: robot.goto(1.0, 0.0, 90),
+        ):
             with pytest.raises(roburoc4.ArgumentError, match="not degrees"):
                 turn()
         with pytest.raises(roburoc4.ArgumentError, match="not mm/s"):
@@ -79,18 +82,6 @@ def test_degrees_and_speeds_beyond_the_ceilings_are_refused(sim: Simulator) -> N
         assert sim.state.nonzero_speed_commands == 0
         robot.turn(4.5 * math.pi, speed=1.5, turns=True)
         assert sim.true_pose.theta_rad == pytest.approx(math.pi / 2, abs=2 * DEGREE)
-
-
-def test_progress_is_reported(sim: Simulator) -> None:
-    seen: list[MoveResult] = []
-    with sim.connect() as robot:
-        robot.arm()
-        robot.move(0.5, on_progress=seen.append)
-    assert seen[0].outcome is MoveOutcome.RUNNING
-    assert seen[0].remaining_m == pytest.approx(0.5, abs=0.1)
-    ways = [result.distance_m for result in seen]
-    backwards = [last - way for last, way in itertools.pairwise(ways)]
-    assert max(backwards) < 0.001, "at its end a robot may swing back"
 
 
 def test_what_ends_a_move_cannot_be_overlooked(sim: Simulator) -> None:
@@ -126,13 +117,12 @@ def test_a_stop_button_ends_a_move(sim: Simulator, end: str, code: Result) -> No
         assert sim.state.last_linear_m_s == 0
 
 
-@pytest.mark.parametrize("hang_s", [0.6, 8.0])
-def test_a_program_that_hung_does_not_continue_its_move(sim: Simulator, hang_s: float) -> None:
+def test_a_program_that_hung_does_not_continue_its_move(sim: Simulator) -> None:
     with sim.connect() as robot:
 
         def hang(result: MoveResult) -> None:
             if result.distance_m > 0.3:
-                robot.sleep(hang_s)
+                robot.sleep(0.6)
 
         robot.arm()
         with pytest.raises(MoveError, match="in time") as caught:
@@ -173,27 +163,6 @@ def test_a_robot_that_is_not_armed_does_not_move(sim: Simulator) -> None:
     assert sim.state.nonzero_speed_commands == 0
 
 
-def test_a_heading_in_degrees_is_refused(sim: Simulator) -> None:
-    with sim.connect() as robot:
-        robot.arm()
-        with pytest.raises(roburoc4.ArgumentError, match=r"90 .*radians \(not degrees\)"):
-            robot.goto(1.0, 0.0, 90)
-
-
-def test_a_closed_robot_does_not_move(sim: Simulator) -> None:
-    robot = sim.connect()
-    robot.arm()
-    robot.close()
-    for move in (
-        lambda: robot.move(1.0),
-        lambda: robot.turn(1.0),
-        lambda: robot.arc(1.0, 1.0),
-        lambda: robot.goto(1.0, 0.0),
-    ):
-        with pytest.raises(roburoc4.ClosedError):
-            move()
-
-
 def test_a_second_move_is_refused_at_once(sim: Simulator) -> None:
     refused: list[str] = []
 
@@ -211,16 +180,6 @@ def test_a_second_move_is_refused_at_once(sim: Simulator) -> None:
         robot.move(-0.4)
         robot.drive_for(0.1, 0.0, 0.1)
         robot.rest()
-
-
-def test_rest_and_stop_are_possible_during_a_move(sim: Simulator) -> None:
-    with sim.connect() as robot:
-        robot.arm()
-        for stop in (robot.stop, robot.rest):
-            with pytest.raises(MoveError):
-                robot.move(1.0, on_progress=lambda r, s=stop: s() if r.distance_m > 0.2 else None)
-            robot.rest()
-            robot.arm()
 
 
 def test_an_exception_in_mid_move_stops_the_robot(sim: Simulator) -> None:
@@ -262,13 +221,6 @@ def test_asyncio_moves_and_cancels() -> None:
     with Simulator(port=0, slip=0.0) as sim:
         asyncio.run(main(sim))
         assert sim.state.last_linear_m_s == 0
-
-
-def test_a_speed_that_an_arc_does_not_allow_is_named_as_it_was_given(sim: Simulator) -> None:
-    with sim.connect() as robot:
-        robot.arm()
-        with pytest.raises(roburoc4.ArgumentError, match=r"^speed: 2 m/s, at which this arc turns"):
-            robot.arc(0.1, 6.28, speed=2)
 
 
 def test_an_obstacle_is_named_with_its_side_and_distance(sim: Simulator) -> None:

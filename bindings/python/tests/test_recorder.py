@@ -58,11 +58,6 @@ def test_a_long_recording_has_several_files(served: roburoc4.Simulator, tmp_path
     assert packets == robot.recorder.recorded
 
 
-def test_without_record_there_is_no_recorder(served: roburoc4.Simulator) -> None:
-    with roburoc4.connect(served.address) as robot:
-        assert robot.recorder is None
-
-
 def test_an_invalid_path_is_named(tmp_path: Path) -> None:
     path = tmp_path / "none" / "run.pcapng"
     with pytest.raises(roburoc4.RecordingError, match=r"record: .*none.*No such file"):

@@ -2,13 +2,11 @@
 """What a robot reports: statuses, properties, names; and commands other than motion."""
 
 import math
-from collections.abc import Callable
 
 import pytest
 
 import roburoc4
 from roburoc4 import BatteryState, LocalizationFlag, Service, Simulator
-from roburoc4.protocol import IoType
 
 
 def test_statuses_are_typed_records_with_the_simulators_values(
@@ -27,21 +25,6 @@ def test_statuses_are_typed_records_with_the_simulators_values(
         assert robot.differential.current_linear_m_s == 0
         assert len(robot.iocard.analog_inputs) == 9
         assert robot.battery.host_us <= robot.now_s * 1e6
-
-
-def test_records_cannot_be_changed(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot, pytest.raises(AttributeError):
-        robot.battery.remaining_percent = 99  # type: ignore[misc]
-
-
-def test_the_first_status_is_waited_for_and_later_ones_are_not(
-    roburoc4_simulator: Simulator,
-) -> None:
-    with roburoc4_simulator.connect() as robot:
-        assert robot.battery.remaining_percent == 100
-        before_s = roburoc4_simulator.now_s
-        assert robot.battery.remaining_percent == 100
-        assert roburoc4_simulator.now_s == before_s
 
 
 def test_unknown_values_name_the_remedy(roburoc4_simulator: Simulator) -> None:
@@ -65,14 +48,6 @@ def test_properties_have_everything_the_robot_reported(roburoc4_simulator: Simul
         assert math.isclose(properties.differential.max_linear_m_s, 2.6, rel_tol=1e-6)
         assert math.isclose(properties.differential.width_m, 0.68, rel_tol=1e-6)
         assert [round(t.theta_rad, 3) for t in properties.telemeter] == [0, 3.142]
-
-
-def test_a_robot_without_a_service_has_none_of_its_properties() -> None:
-    hidden = 1 << Service.BATTERY
-    with Simulator(hidden_services=hidden) as sim, sim.connect() as robot:
-        assert robot.properties.battery is None
-        assert "battery" not in [entry.service for entry in robot.properties.services]
-        assert robot.properties.localization is not None
 
 
 def test_what_is_not_known_is_none(roburoc4_simulator: Simulator) -> None:
@@ -171,13 +146,6 @@ def test_relocalize_waits_until_the_robot_has_accepted_it(roburoc4_simulator: Si
             robot.relocalize(0, 0, 90)
 
 
-def test_relocalize_that_nobody_answers_times_out(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect(lost_ms=60000) as robot:
-        roburoc4_simulator.set_faults(loss=1.0)
-        with pytest.raises(roburoc4.RobotTimeoutError):
-            robot.relocalize(0, 0, 0)
-
-
 def test_the_link_has_figures(roburoc4_simulator: Simulator) -> None:
     roburoc4_simulator.set_faults(delay_ms=5)
     with roburoc4_simulator.connect() as robot:
@@ -205,35 +173,3 @@ def test_subscriptions_can_be_changed(roburoc4_simulator: Simulator) -> None:
             robot.subscribe("battery", 15)
         with pytest.raises(roburoc4.ArgumentError, match="localization"):
             robot.subscribe("coffee", 100)
-
-
-class FakeConnection:
-    """A connection to a robot with these texts."""
-
-    def __init__(self, robot: roburoc4.Robot, texts: dict[tuple[int, int], bytes]) -> None:
-        self.handle = robot._connection.handle
-        self._texts = texts
-
-    def description(self, io_type: int, index: int) -> bytes | None:
-        return self._texts.get((io_type, index))
-
-
-@pytest.fixture
-def channels(
-    roburoc4_simulator: Simulator,
-) -> Callable[[dict[tuple[int, int], bytes]], roburoc4.iocard.Channels]:
-    robot = roburoc4_simulator.connect()
-
-    def channels_of(texts: dict[tuple[int, int], bytes]) -> roburoc4.iocard.Channels:
-        assert robot.state is roburoc4.State.READY
-        return roburoc4.iocard.Channels(FakeConnection(robot, texts))  # type: ignore[arg-type]
-
-    return channels_of
-
-
-Named = Callable[[dict[tuple[int, int], bytes]], roburoc4.iocard.Channels]
-
-
-def test_texts_that_are_not_utf8_are_latin1(channels: Named) -> None:
-    found = channels({(IoType.DIGITAL_INPUT, 5): "Éclairage".encode("latin-1")})
-    assert found.names(IoType.DIGITAL_INPUT)[5] == "Éclairage"
