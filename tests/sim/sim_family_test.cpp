@@ -46,28 +46,20 @@ class Member : public SimRobot {
                 all.push_back(sent.bytes);
         return all;
     }
-    roburoc4_differential_status differential() {
-        roburoc4_differential_status status{};
-        const auto all = statuses();
-        EXPECT_LE(0, roburoc4_decode_differential_status(all.at(0).data(), all[0].size(), &status));
-        return status;
-    }
     roburoc4_localization_status localization() {
         roburoc4_localization_status status{};
         const auto all = statuses();
         EXPECT_LE(0, roburoc4_decode_localization_status(all.at(0).data(), all[0].size(), &status));
         return status;
     }
-    double target() {
-        return double(differential().target_linear_m_s);
-    }
     /** Its speed after driving long enough for any response. */
     double speed_at(float linear_m_s, std::uint64_t cycles = 1000) {
         drive(linear_m_s, 0.0F, cycles);
         return state().wheel_linear_m_s;
     }
-    std::string text(std::uint8_t index, std::uint8_t io_type = ROBUROC4_IO_DIGITAL_INPUT) {
-        const Bytes answer = ask({9, ROBUROC4_ACTION_QUERY, 2, 0, io_type, index, 0, 0, 0});
+    std::string text(std::uint8_t index) {
+        const Bytes answer =
+            ask({9, ROBUROC4_ACTION_QUERY, 2, 0, ROBUROC4_IO_DIGITAL_INPUT, index, 0, 0, 0});
         return answer.size() < 5 || answer[4] != 0 ? "none"
                                                    : std::string(answer.begin() + 5, answer.end());
     }
@@ -91,65 +83,26 @@ constexpr std::uint16_t localization = ROBUROC4_SERVICE_LOCALIZATION;
 const Bytes get_directory = {9, ROBUROC4_ACTION_GET, 0, 0};
 const Bytes unsubscribe = {9, ROBUROC4_ACTION_DELETE, 1, 0, 6, 0};
 
-Bytes replace(double x_m) {
-    std::array<std::uint8_t, 64> buffer{};
-    roburoc4_request request{};
-    request.id = 9;
-    request.action = ROBUROC4_ACTION_REPLACE;
-    request.service = localization;
-    request.x_m = x_m;
-    const auto size = roburoc4_encode_request(buffer.data(), buffer.size(), &request);
-    EXPECT_EQ(36, size);
-    return Bytes(buffer.begin(), buffer.begin() + size);
-}
-
 /* ------------------------------------------------------------------------------------- draws ---
  */
 
-TEST(SimFamily, DrawsValidRobotsAndEveryAnswer) {
+TEST(SimFamily, DrawsValidRobotsWithEveryUsualAnswerAndOthers) {
     constexpr std::uint64_t seeds = 500;
     std::vector<Config> drawn(seeds);
     for (std::uint64_t seed = 0; seed < seeds; seed++) {
         ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_config_family(&drawn[seed], sizeof drawn[seed], seed));
         EXPECT_EQ(nullptr, roburoc4_sim_config_error(&drawn[seed])) << "seed " << seed;
     }
-    const auto is_drawn = [&](const sim_setting &setting, double low, double high) {
-        return std::any_of(drawn.begin(), drawn.end(), [&](const Config &config) {
-            const double value = sim_setting_get(&config, &setting);
-            return value >= low && value <= high;
-        });
-    };
     const sim_setting *setting = nullptr;
     for (std::uint32_t index = 0; (setting = sim_setting_at(index)) != nullptr; index++) {
-        const std::string name = setting->name;
-        const bool is_mask = name == "hidden_services" || name == "refused_inserts";
-        EXPECT_TRUE(is_drawn(*setting, setting->usual, setting->usual) || name == "seed" ||
-                    setting->kind == SIM_FLOAT)
-            << name;
         if (setting->from >= setting->to)
             continue;
-        if (is_mask) {
-            for (int service = ROBUROC4_SERVICE_IOCARD; service <= differential; service++)
-                EXPECT_TRUE(is_drawn(*setting, 1 << service, 1 << service)) << name << service;
-        } else if (setting->kind == SIM_WHOLE && setting->to - setting->from <= 20) {
-            for (double value = setting->from; value <= setting->to; value++)
-                EXPECT_TRUE(is_drawn(*setting, value, value)) << name << value;
-        } else if (setting->kind != SIM_SHORT) {
-            const double third = (setting->to - setting->from) / 3;
-            EXPECT_TRUE(is_drawn(*setting, setting->from - 1e-6, setting->from + 1e-6)) << name;
-            EXPECT_TRUE(is_drawn(*setting, setting->from + third / 100, setting->to - third))
-                << name;
-            EXPECT_TRUE(is_drawn(*setting, setting->to - 1e-6, setting->to + 1e-6)) << name;
-        }
+        const auto usual = std::count_if(drawn.begin(), drawn.end(), [&](const Config &config) {
+            return sim_setting_get(&config, setting) == setting->usual;
+        });
+        EXPECT_LT(usual, std::ptrdiff_t{seeds}) << setting->name;
+        EXPECT_TRUE(usual > 0 || setting->kind == SIM_FLOAT) << setting->name;
     }
-    for (std::uint32_t shape = 1; shape <= ROBUROC4_SIM_TEXTS_DOUBLED; shape *= 2)
-        EXPECT_TRUE(std::any_of(drawn.begin(), drawn.end(), [shape](const Config &config) {
-            return (config.texts & shape) != 0;
-        })) << shape;
-    for (int service = ROBUROC4_SERVICE_IOCARD; service <= differential; service++)
-        EXPECT_TRUE(std::any_of(drawn.begin(), drawn.end(), [service](const Config &config) {
-            return config.service_ids[service] > differential;
-        })) << service;
 }
 
 TEST(SimFamily, AMemberIsRepeatedByItsSettings) {
@@ -192,42 +145,6 @@ TEST(SimFamily, AnotherMemberTakesItsPlaceAtTheAddress) {
 
 /* ------------------------------------------------------------------------------ telegrams --- */
 
-TEST(SimFamily, TellsAFailureInEachForm) {
-    const Bytes get_unknown = {9, ROBUROC4_ACTION_GET, 99, 0};
-    EXPECT_EQ(from_hex("09 00 63 00 01"), Member().ask(get_unknown));
-    EXPECT_EQ(from_hex("00 00 63 00 01"),
-              Member([](Config &config) { config.error_header = 1; }).ask(get_unknown));
-    EXPECT_EQ(from_hex("00"),
-              Member([](Config &config) { config.error_header = 2; }).ask(get_unknown));
-    EXPECT_EQ(from_hex("09 00 63 00 4D"),
-              Member([](Config &config) { config.error_code = 77; }).ask(get_unknown));
-}
-
-TEST(SimFamily, EndsStatusesWithSurplusBytes) {
-    Member robot([](Config &config) { config.surplus_bytes = 3; });
-    robot.watch(differential);
-    const Bytes status = robot.statuses().at(0);
-    EXPECT_EQ(Bytes(3, 0), Bytes(status.begin() + 27, status.end()));
-}
-
-TEST(SimFamily, RefusesDeleteAndReplace) {
-    Member robot([](Config &config) {
-        config.delete_refused = 1;
-        config.replace_mode = ROBUROC4_SIM_REPLACE_REFUSED;
-    });
-    robot.watch(differential);
-    EXPECT_EQ(ROBUROC4_ERROR_UNSUPPORTED, robot.error_of(unsubscribe));
-    EXPECT_EQ(1U, robot.subscription(differential));
-    EXPECT_EQ(ROBUROC4_ERROR_UNSUPPORTED, robot.error_of(replace(5.0)));
-    EXPECT_EQ(0.0, robot.state().odometry_x_m);
-}
-
-TEST(SimFamily, AcknowledgesAReplaceThatItIgnores) {
-    Member robot([](Config &config) { config.replace_mode = ROBUROC4_SIM_REPLACE_IGNORED; });
-    EXPECT_EQ(0, robot.error_of(replace(5.0)));
-    EXPECT_EQ(0.0, robot.state().odometry_x_m);
-}
-
 /* ---------------------------------------------------------------------------------- texts --- */
 
 TEST(SimFamily, AnswersQueriesInEachMode) {
@@ -247,37 +164,6 @@ TEST(SimFamily, AnswersQueriesInEachMode) {
                                    }).error_of(of_a));
 }
 
-TEST(SimFamily, WritesTextsInEachShape) {
-    const auto text = [](std::uint32_t texts, std::uint8_t index) {
-        return Member([texts](Config &config) { config.texts = texts; }).text(index);
-    };
-    EXPECT_EQ("button, Game pad \"A\"", text(ROBUROC4_SIM_TEXTS_REORDERED, 8));
-    EXPECT_EQ("Game pad \xAB"
-              "A\xBB button",
-              text(ROBUROC4_SIM_TEXTS_LATIN_1, 8));
-    EXPECT_EQ("Front bumper", text(ROBUROC4_SIM_TEXTS_TWO_FRONT, 2));
-    EXPECT_EQ("Game pad A LED", text(ROBUROC4_SIM_TEXTS_LIKE_A, 3));
-    EXPECT_EQ("", text(0, 2));
-    EXPECT_EQ("", text(0, 3));
-}
-
-TEST(SimFamily, SendsTextsAndTheirRefusalsTwice) {
-    Member robot([](Config &config) { config.texts = ROBUROC4_SIM_TEXTS_DOUBLED; });
-    for (const std::uint8_t index : Bytes{8, 99}) {
-        robot.send({9, ROBUROC4_ACTION_QUERY, 2, 0, 2, index, 0, 0, 0});
-        const auto answers = robot.take();
-        ASSERT_EQ(2U, answers.size());
-        EXPECT_EQ(answers[0].bytes, answers[1].bytes);
-    }
-}
-
-TEST(SimFamily, BothInputsOfTheFrontBumperShowIt) {
-    Member robot([](Config &config) { config.texts = ROBUROC4_SIM_TEXTS_TWO_FRONT; });
-    robot.set("front_bumper", 1);
-    EXPECT_EQ(1, robot.value(ROBUROC4_SIM_PIN_DIGITAL + 0));
-    EXPECT_EQ(1, robot.value(ROBUROC4_SIM_PIN_DIGITAL + 2));
-}
-
 TEST(SimFamily, ShiftsInputs) {
     Member robot([](Config &config) { config.input_shift = 3; });
     EXPECT_EQ("Game pad \"A\" button", robot.text(ROBUROC4_DI_PAD_A + 3));
@@ -290,47 +176,7 @@ TEST(SimFamily, ShiftsInputs) {
 
 /* ----------------------------------------------------------------------------- telemeters --- */
 
-TEST(SimFamily, HasAnyTelemetersAndReportsFewer) {
-    for (std::uint32_t count = 0; count <= ROBUROC4_SIM_MAX_TELEMETERS; count++) {
-        Member robot([count](Config &config) {
-            config.telemeters = count;
-            config.reported_distances = 3;
-        });
-        EXPECT_EQ(9U + 28U * count, robot.ask({9, ROBUROC4_ACTION_GET, 3, 0}).size());
-        robot.watch(ROBUROC4_SERVICE_TELEMETER);
-        EXPECT_EQ(11U + 4U * std::min(count, 3U), robot.statuses().at(0).size());
-    }
-}
-
-TEST(SimFamily, TelemetersSeeWhereTheyPoint) {
-    /* front and rear, turned by 90 and 180 degrees: the first looks to the left, the other ahead */
-    Member robot([](Config &config) { config.telemeter_turn_rad = 1.570796F; });
-    EXPECT_EQ(0, roburoc4_sim_add_box(robot.get(), 0.655, 3.0, 0.5, 2.0, 0.0));
-    EXPECT_NEAR(2.0, double(robot.state().distances_m[0]), 1e-3);
-    EXPECT_NEAR(6.0, double(robot.state().distances_m[1]), 1e-3);
-    EXPECT_EQ(1, roburoc4_sim_add_box(robot.get(), 3.345, 0.0, 1.0, 1.0, 0.0));
-    EXPECT_NEAR(3.5, double(robot.state().distances_m[1]), 1e-3);
-}
-
 /* -------------------------------------------------------------------------- time and queues --- */
-
-TEST(SimFamily, ClockIsFastOrSlow) {
-    for (const int ppm : {-500, 0, 500}) {
-        Member robot([ppm](Config &config) { config.clock_ppm = ppm; });
-        robot.run(100000);
-        EXPECT_NEAR(100000.0 * (1.0 + ppm * 1e-6), double(robot.state().cycles), 1.0) << ppm;
-    }
-}
-
-TEST(SimFamily, BeginsWithAnyUptime) {
-    Member robot([](Config &config) { config.uptime_cycles = 1000; });
-    EXPECT_EQ(1000U, robot.state().cycles);
-    robot.set("uptime", 5);
-    EXPECT_EQ(1000U, robot.state().cycles);
-    robot.set("power", 0);
-    robot.set("power", 1);
-    EXPECT_EQ(5U, robot.state().cycles);
-}
 
 TEST(SimFamily, StampsAFrozenServiceAsItsStampsMean) {
     for (const std::uint32_t measured : {0U, 1U}) {
@@ -421,45 +267,6 @@ TEST(SimFamily, SharesItsListOfSubscriptions) {
     }
 }
 
-TEST(SimFamily, FullListRefusesIgnoresOrForgets) {
-    for (const std::uint32_t full : {0U, 1U, 2U}) {
-        Member robot([full](Config &config) {
-            config.max_subscriptions = 2;
-            config.full_list = full;
-        });
-        EXPECT_EQ(0, robot.insert(4, 1));
-        robot.run(1);
-        EXPECT_EQ(0, robot.insert(5, 1));
-        EXPECT_EQ(full == ROBUROC4_SIM_FULL_REFUSES ? ROBUROC4_ERROR_SERVICE : 0,
-                  robot.insert(6, 1));
-        EXPECT_EQ(0, robot.insert(5, 7)) << "what is there can be changed";
-        EXPECT_EQ(full == ROBUROC4_SIM_FULL_FORGETS ? 0U : 1U, robot.subscription(4));
-        EXPECT_EQ(7U, robot.subscription(5));
-        EXPECT_EQ(full == ROBUROC4_SIM_FULL_FORGETS ? 1U : 0U, robot.subscription(6));
-        EXPECT_EQ(2U, robot.state().subscriptions);
-    }
-}
-
-TEST(SimFamily, KeepsSubscriptionsOfAClosedPort) {
-    for (const std::uint32_t keep : {0U, 1U}) {
-        Member robot([keep](Config &config) { config.keep_subscriptions = keep; });
-        robot.watch(differential);
-        for (int report = 0; report < 2; report++) {
-            robot.run(1000);
-            roburoc4_sim_receive(robot.get(), 1, nullptr, 0);
-        }
-        EXPECT_EQ(keep, robot.state().subscriptions);
-    }
-}
-
-TEST(SimFamily, SendsNoFasterThanItCan) {
-    Member robot([](Config &config) { config.min_period_cycles = 10; });
-    EXPECT_EQ(0, robot.insert(differential, 5));
-    EXPECT_EQ(10U, robot.subscription(differential));
-    EXPECT_EQ(0, robot.insert(differential, 12));
-    EXPECT_EQ(12U, robot.subscription(differential));
-}
-
 /* ----------------------------------------------------- commands, watchdog and game pad --- */
 
 TEST(SimFamily, KeepsATargetUnderTheGamePadAsConfigured) {
@@ -491,184 +298,8 @@ TEST(SimFamily, KeepsATargetUnderTheGamePadAsConfigured) {
     }
 }
 
-TEST(SimFamily, IgnoredCommandsFeedTheWatchdogAsConfigured) {
-    for (const std::uint32_t feed : {0U, 1U}) {
-        Member robot([feed](Config &config) {
-            config.pad_keeps_target = ROBUROC4_SIM_PAD_RESUMES;
-            config.ignored_commands_feed = feed;
-        });
-        robot.command(1.0F, 0.0F);
-        robot.set("pad_a", 1);
-        robot.drive(0.5F, 0.0F, 500);
-        robot.set("pad_a", 0);
-        robot.run(1);
-        EXPECT_EQ(double(feed), robot.state().target_linear_m_s);
-    }
-}
-
-TEST(SimFamily, ThePadDrivesOnWhenTheWatchdogTrips) {
-    Member robot([](Config &config) { config.pad_keeps_target = ROBUROC4_SIM_PAD_RESUMES; });
-    robot.command(1.0F, 0.0F);
-    robot.set("pad_a", 1);
-    robot.set("pad_rt", 1.0);
-    for (int cycle = 0; cycle < 300; cycle++) {
-        robot.run(1);
-        ASSERT_NEAR(2.6, robot.state().target_linear_m_s, 1e-6) << cycle;
-    }
-}
-
-TEST(SimFamily, StatusesShowTheTargetAsConfigured) {
-    for (const std::uint32_t answer : {0U, 1U}) {
-        Member robot([answer](Config &config) {
-            config.pad_keeps_target = ROBUROC4_SIM_PAD_RESUMES;
-            config.pad_target_hidden = answer;
-            config.tripped_target_shown = answer;
-            config.dead_time_cycles = 10;
-            config.late_targets = 0;
-        });
-        robot.watch(differential);
-        robot.command(1.0F, 0.0F);
-        EXPECT_EQ(1.0, robot.target());
-        robot.set("pad_a", 1);
-        EXPECT_EQ(double(answer), robot.target()) << "under [A]";
-        robot.set("pad_a", 0);
-        robot.run(500);
-        EXPECT_EQ(double(answer), robot.target()) << "after the watchdog";
-        EXPECT_NEAR(0.0, robot.state().wheel_linear_m_s, 1e-3) << "but it has stopped";
-        robot.command(0.0F, 0.0F);
-        EXPECT_EQ(0.0, robot.target());
-    }
-}
-
-TEST(SimFamily, ShowsALateTargetWhenMotorsFollow) {
-    Member robot([](Config &config) {
-        config.dead_time_cycles = 10;
-        config.late_targets = 1;
-    });
-    robot.watch(differential);
-    robot.command(1.0F, 0.0F);
-    robot.run(9);
-    EXPECT_EQ(0.0, robot.target());
-    EXPECT_EQ(0.0, robot.state().wheel_linear_m_s);
-    EXPECT_EQ(1.0, robot.target());
-    EXPECT_LT(0.0, robot.state().wheel_linear_m_s);
-}
-
-TEST(SimFamily, CommandsWithoutMotorPowerAreIgnoredAsConfigured) {
-    for (const std::uint32_t ignored : {0U, 1U}) {
-        Member robot([ignored](Config &config) { config.commands_need_motors = ignored; });
-        robot.drive(1.0F, 0.0F, 20);
-        robot.set("estop_local", 1);
-        robot.drive(1.0F, 0.0F, 20);
-        EXPECT_EQ(1.0 - ignored, robot.state().target_linear_m_s);
-        EXPECT_EQ(int(ignored), robot.state().watchdog_tripped);
-    }
-}
-
-TEST(SimFamily, CommandsBeyondALimitAreClampedOrIgnored) {
-    for (const std::uint32_t ignored : {0U, 1U}) {
-        Member robot([ignored](Config &config) { config.over_limit_refused = ignored; });
-        robot.command(1.0F, 0.0F);
-        robot.command(3.0F, 0.0F);
-        EXPECT_NEAR(ignored != 0 ? 1.0 : 2.6, robot.state().target_linear_m_s, 1e-6);
-        robot.command(2.0F, -7.0F);
-        EXPECT_NEAR(ignored != 0 ? 1.0 : 2.0, robot.state().target_linear_m_s, 1e-6);
-    }
-}
-
 /* ------------------------------------------------------------------------ motion and odometry ---
  */
-
-TEST(SimFamily, RespondsWithEachDampingAndGain) {
-    for (const float damping : {0.6F, 1.0F, 1.5F}) {
-        for (const float gain : {0.85F, 1.15F}) {
-            Member robot([&](Config &config) {
-                config.linear_damping = damping;
-                config.linear_gain = gain;
-                config.linear_omega_rad_s = 4.0F;
-            });
-            double highest = 0.0;
-            for (int step = 0; step < 100; step++)
-                highest = std::max(highest, robot.speed_at(1.0F, 10));
-            EXPECT_NEAR(double(gain), robot.state().wheel_linear_m_s, 1e-3);
-            /* the overshoot of a second-order response */
-            const double damped = std::sqrt(std::max(0.0, 1.0 - double(damping * damping)));
-            const double over =
-                damping < 1.0F ? std::exp(-3.14159 * double(damping) / damped) : 0.0;
-            EXPECT_NEAR(double(gain) * (1.0 + over), highest, 0.01) << damping;
-        }
-    }
-}
-
-TEST(SimFamily, RespondsAtOnce) {
-    Member robot([](Config &config) {
-        config.linear_omega_rad_s = 1000.0F;
-        config.angular_omega_rad_s = 1000.0F;
-    });
-    robot.command(2.0F, -3.0F);
-    robot.run(1);
-    EXPECT_EQ(2.0, robot.state().wheel_linear_m_s);
-    EXPECT_EQ(-3.0, robot.state().wheel_angular_rad_s);
-}
-
-TEST(SimFamily, ReportsSpeedsWithNoise) {
-    Member robot([](Config &config) { config.speed_noise = 0.02F; });
-    robot.watch(differential);
-    double most = 0.0;
-    for (int cycle = 0; cycle < 300; cycle++)
-        most = std::max(most, std::fabs(double(robot.differential().current_linear_m_s)));
-    EXPECT_LT(0.015, most);
-    EXPECT_GE(0.02, most);
-    EXPECT_EQ(0.0, robot.state().true_x_m) << "it does not move";
-}
-
-TEST(SimFamily, MeasuresOdometryAtItsOwnPace) {
-    for (const std::uint32_t measured : {0U, 1U}) {
-        Member robot([measured](Config &config) {
-            config.odometry_period_cycles = 20;
-            config.stamp_measured = measured;
-        });
-        robot.watch(localization);
-        int changes = 0;
-        double last_m = 0.0;
-        for (int cycle = 0; cycle < 200; cycle++) {
-            robot.command(1.0F, 0.0F);
-            const auto status = robot.localization();
-            changes += status.x_m > last_m ? 1 : 0;
-            last_m = status.x_m;
-            const std::uint64_t cycles = robot.state().cycles;
-            EXPECT_EQ(measured != 0 ? cycles / 20 * 20 : cycles, status.robot_cycles);
-        }
-        EXPECT_EQ(10, changes);
-    }
-}
-
-TEST(SimFamily, OdometryIsScaledAndMirrored) {
-    Member robot([](Config &config) {
-        config.odometry_scale = 1.3F;
-        config.odometry_mirrored = 1;
-    });
-    robot.drive(1.0F, 0.2F, 100);
-    const auto state = robot.state();
-    EXPECT_NEAR(-1.3 * state.true_theta_rad, state.odometry_theta_rad, 1e-5);
-    EXPECT_GT(0.0, state.odometry_y_m);
-    robot.set("odometry_scale", 0.0);
-    robot.drive(1.0F, 0.2F, 100);
-    EXPECT_EQ(state.odometry_x_m, robot.state().odometry_x_m);
-}
-
-TEST(SimFamily, OdometryIsCorrectedFromOutside) {
-    Member robot;
-    robot.watch(localization);
-    robot.set("odometry_x_m", 7.0);
-    robot.set("odometry_y_m", -8.0);
-    robot.set("odometry_theta_rad", 1.5);
-    const auto status = robot.localization();
-    EXPECT_EQ(7.0, status.x_m);
-    EXPECT_EQ(-8.0, status.y_m);
-    EXPECT_EQ(1.5, status.theta_rad);
-    EXPECT_EQ(0.0, robot.state().true_x_m);
-}
 
 /* ----------------------------------------------------------------------------------- faults --- */
 
@@ -715,21 +346,6 @@ TEST(SimFamily, CreepsRunsAwayAndMovesOneAxisOnly) {
     one_axis.set("creep_rad_s", -0.3);
     one_axis.drive(0.5F, 1.0F, 300);
     EXPECT_NEAR(-0.3, one_axis.state().wheel_angular_rad_s, 0.02);
-}
-
-TEST(SimFamily, ThePanelHasTheFaults) {
-    Member robot;
-    std::array<char, ROBUROC4_SIM_REPLY_SIZE> reply{};
-    for (const char *line : {"frozen 96", "frozen none", "nan 64", "blocked linear on",
-                             "creep m_s 0.3", "odometry scale 1.3", "odometry x_m -4",
-                             "queue uplink ms 200", "uptime 12345678901", "family 7"})
-        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_panel(robot.get(), line, reply.data(), reply.size()))
-            << line << ": " << reply.data();
-    for (const char *line : {"frozen 1.5", "frozen 128", "nan -1", "creep 1", "queue uplink ms 0.5",
-                             "family -1", "uptime 1.5"})
-        EXPECT_EQ(ROBUROC4_ERR_ARGUMENT,
-                  roburoc4_sim_panel(robot.get(), line, reply.data(), reply.size()))
-            << line;
 }
 
 } // namespace

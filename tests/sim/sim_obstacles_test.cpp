@@ -72,30 +72,6 @@ TEST(SimDefaultWorld, LeavesFiveMetresClearAllAroundTheStart) {
     }
 }
 
-TEST(SimDefaultWorld, IsSeenByBothTelemetersFromTheStart) {
-    SimRobot robot;
-    const auto state = robot.state();
-    for (const float distance : state.distances_m) {
-        EXPECT_GE(distance, 5.0F);
-        EXPECT_LT(distance, 6.0F);
-    }
-}
-
-TEST(SimDefaultWorld, CannotBeLeft) {
-    std::mt19937 random(3);
-    SimRobot robot;
-    for (int turn = 0; turn < 400; turn++) {
-        robot.drive(float(random() % 53) / 10.0F - 2.6F, float(random() % 60) / 10.0F - 3.0F, 150);
-        const auto state = robot.state();
-        ASSERT_LT(std::fabs(state.true_y_m), 6.5);
-        ASSERT_LT(state.true_x_m, 10.0);
-        ASSERT_GT(state.true_x_m, -6.0);
-        /* It never entered a box, so its position is allowed. */
-        ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_place(robot.get(), state.true_x_m, state.true_y_m,
-                                                  state.true_theta_rad));
-    }
-}
-
 /* --------------------------------------------------------------------------------- bumpers --- */
 
 TEST_F(SimBumper, StopsAtAWallAndFreesTheOtherDirection) {
@@ -138,16 +114,6 @@ TEST_F(SimBumper, PressedByHandBlocksItsDirectionOnly) {
     robot.drive(1.0F, 0.0F, 300);
     EXPECT_NEAR(1.0, robot.state().wheel_linear_m_s, 0.02);
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set(sim(), ROBUROC4_SIM_FRONT_BUMPER, 0.5));
-}
-
-TEST_F(SimBumper, IsPressedByABoxThatIsPushedAgainstIt) {
-    const auto box = roburoc4_sim_add_box(sim(), 5.0, 0.0, 1.0, 1.0, 0.0);
-    ASSERT_GE(box, 0);
-    ASSERT_EQ(ROBUROC4_OK, sim_obstacles_move_box(sim(), std::uint32_t(box),
-                                                  0.5 + half_length + 0.005, 0.0, 0.0));
-    EXPECT_EQ(1, robot.state().front_bumper);
-    roburoc4_sim_clear_obstacles(sim());
-    EXPECT_EQ(0, robot.state().front_bumper);
 }
 
 TEST_F(SimObstacles, AWallAtTheSideBlocksTheTurnWhileTheWheelsSpin) {
@@ -222,23 +188,4 @@ TEST_F(SimTelemeter, SeeWithinTheirConeAndRange) {
     EXPECT_DOUBLE_EQ(0.25, front()) << "nearer than it can measure";
     ASSERT_EQ(ROBUROC4_OK, sim_obstacles_move_box(sim(), 0, half_length + 6.5, 0.0, 0.0));
     EXPECT_DOUBLE_EQ(6.0, front()) << "farther than it can measure";
-}
-
-TEST_F(SimTelemeter, PropertiesHoldTheirMountingAndRange) {
-    ASSERT_EQ(0, wall(4.0, -3.0, 4.0, 3.0));
-    const Bytes answer = robot.ask(from_hex("07 00 03 00"));
-    roburoc4_telemeter_list list{};
-    ASSERT_EQ(0, roburoc4_decode_telemeter_properties(answer.data(), answer.size(), &list));
-    ASSERT_EQ(2U, list.count);
-    roburoc4_telemeter front{};
-    roburoc4_telemeter rear{};
-    ASSERT_EQ(0, roburoc4_telemeter_at(&list, ROBUROC4_TELEMETER_FRONT, &front));
-    ASSERT_EQ(0, roburoc4_telemeter_at(&list, ROBUROC4_TELEMETER_REAR, &rear));
-    EXPECT_NEAR(half_length, double(front.x_m), 1e-6);
-    EXPECT_NEAR(-half_length, double(rear.x_m), 1e-6);
-    EXPECT_NEAR(pi, double(rear.theta_rad), 1e-6);
-    EXPECT_NEAR(pi / 6.0, double(front.field_of_view_rad), 1e-4);
-    EXPECT_FLOAT_EQ(0.25F, front.min_distance_m);
-    EXPECT_FLOAT_EQ(6.0F, front.max_distance_m);
-    EXPECT_FLOAT_EQ(robot.state().distances_m[0], front.distance_m);
 }

@@ -140,22 +140,6 @@ TEST_F(World, NoStatusIsOmitted) {
     EXPECT_EQ(200U, count);
 }
 
-TEST_F(World, ADatagramCanBeReadWhenItsClientHasIt) {
-    const std::uint8_t *datagram = nullptr;
-    std::size_t size = 0;
-    std::vector<std::string> texts;
-    while (roburoc4_world_step(world.get(), 10 * second, &datagram, &size) != 0) {
-        roburoc4_description text;
-        const std::uint32_t events = roburoc4_client_take_events(&client);
-        if ((events & ROBUROC4_EVENT_DESCRIPTION) != 0 &&
-            roburoc4_client_description(&client, datagram, size, &text) == ROBUROC4_OK)
-            texts.emplace_back(reinterpret_cast<const char *>(text.text), text.length);
-    }
-    EXPECT_EQ(0U, size);
-    EXPECT_GT(texts.size(), 40U);
-    EXPECT_NE(texts.end(), std::find(texts.begin(), texts.end(), "Front bumper"));
-}
-
 TEST_F(World, AClientThatIsDueHasNewsWithoutADatagram) {
     make_ready();
     lose(1.0);
@@ -176,41 +160,6 @@ TEST_F(World, TheSameCallsGiveTheSameRun) {
     EXPECT_EQ(first, run_with_faults());
 }
 
-TEST_F(World, InvalidFaultsAreRefusedAndNothingChanges) {
-    make_ready();
-    roburoc4_sim_faults faults{};
-    faults.size = sizeof faults;
-    faults.loss = 1.5;
-    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_world_set_faults(world.get(), &faults));
-    EXPECT_EQ(0U, run(5 * second) & ROBUROC4_EVENT_LOST);
-}
-
-TEST_F(World, FaultsHoldForClientsThatJoinLater) {
-    roburoc4_client later;
-    lose(1.0);
-    roburoc4_client_init(&later, sizeof later, nullptr);
-    EXPECT_EQ(number + 1, roburoc4_world_join(world.get(), &later));
-    run(2 * second);
-    EXPECT_EQ(0U, roburoc4_client_count(&later, ROBUROC4_COUNT_RECEIVED));
-}
-
-TEST_F(World, HasRoomForAFixedNumberOfClients) {
-    std::vector<roburoc4_client> others(ROBUROC4_WORLD_MAX_CLIENTS);
-    for (size_t i = 0; i + 1 < ROBUROC4_WORLD_MAX_CLIENTS; i++) {
-        roburoc4_client_init(&others[i], sizeof others[i], nullptr);
-        EXPECT_EQ(number + 1 + (int)i, roburoc4_world_join(world.get(), &others[i]));
-    }
-    roburoc4_client &last = others.back();
-    roburoc4_client_init(&last, sizeof last, nullptr);
-    EXPECT_EQ(ROBUROC4_ERR_BUFFER, roburoc4_world_join(world.get(), &last));
-    run(3 * second);
-    for (const roburoc4_client &at : others)
-        EXPECT_EQ(&at == &last ? ROBUROC4_STATE_IDLE : ROBUROC4_STATE_READY,
-                  roburoc4_client_state(&at));
-    roburoc4_world_leave(world.get(), &others[3]);
-    EXPECT_EQ(ROBUROC4_WORLD_MAX_CLIENTS + 1, roburoc4_world_join(world.get(), &last));
-}
-
 TEST_F(World, AClientThatLeftIsNoLongerTouched) {
     auto gone = std::make_unique<roburoc4_client>();
     roburoc4_client_init(gone.get(), sizeof *gone, nullptr);
@@ -221,10 +170,6 @@ TEST_F(World, AClientThatLeftIsNoLongerTouched) {
     roburoc4_world_leave(world.get(), gone.get());
     gone.reset();
     EXPECT_EQ(0U, run(2 * second) & ROBUROC4_EVENT_LOST);
-}
-
-TEST_F(World, AClientThatCannotStartDoesNotJoin) {
-    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_world_join(world.get(), &client));
 }
 
 TEST(WorldLife, ABadConfigurationMakesNoWorld) {
