@@ -197,19 +197,6 @@ TEST(LcmMapping, IoCardStatusHasANameBesideEachValue) {
     });
 }
 
-TEST(LcmMapping, OnACardWithOneInputMoreTheButtonAIsOneInput) {
-    ScriptedRobot robot;
-    robot.texts_refused = true;
-    robot.iocard.digital_inputs = 23;
-    Bench bench(robot);
-    bench.ready();
-    auto names = std::make_unique<mapping_names>();
-    char **list = mapping_names_of(names.get(), &bench.client, ROBUROC4_IO_DIGITAL_INPUT);
-    EXPECT_STREQ("", list[8]);
-    EXPECT_STREQ("Game pad \"A\" button", list[9]);
-    EXPECT_STREQ("Game pad \"RB\" button", list[22]);
-}
-
 TEST(LcmMapping, PoseIsXForwardYLeftInTheMainFrame) {
     roburoc4_localization_status in{};
     roburoc4_differential_status speeds{};
@@ -295,23 +282,6 @@ TEST(LcmMapping, PropertiesAreThoseOfTheRobotAndFitTheBuffer) {
     EXPECT_LE(roburoc4_lcm_robot_properties_t_encoded_size(&out), MAPPING_MAX_ENCODED);
 }
 
-TEST(LcmMapping, PropertiesOfAnAbsentRobotAreEmptyLists) {
-    auto client = std::make_unique<roburoc4_client>();
-    auto names = std::make_unique<mapping_names>();
-    auto storage = std::make_unique<mapping_services>();
-    char address[] = "";
-    ASSERT_EQ(0, roburoc4_client_init(client.get(), sizeof *client, nullptr));
-    roburoc4_lcm_robot_properties_t out;
-    const roburoc4_config config = default_config();
-    mapping_properties(client.get(), &config, names.get(), address, utime, storage.get(), &out);
-    TRAVEL(roburoc4_lcm_robot_properties_t, out, {
-        EXPECT_EQ(utime, got.utime);
-        EXPECT_FALSE(got.differential_known || got.localization_known || got.battery_known ||
-                     got.telemeter_known || got.iocard_known);
-        EXPECT_EQ(0, got.service_count + got.telemeter_count + got.digital_input_count);
-    });
-}
-
 TEST(LcmMapping, StatisticsHaveEveryCountUnderItsCause) {
     View v;
     v.gate.taken[GATE_DRIVE] = 101;
@@ -380,20 +350,6 @@ TEST(LcmMapping, StateHasTheBridgeAndItsRules) {
         EXPECT_FALSE(got.outputs_enabled);
         EXPECT_FALSE(got.relocalize_enabled);
     });
-}
-
-TEST(LcmMapping, StateHasEachRuleInItsOwnField) {
-    const gate_kind kinds[] = {GATE_DRIVE, GATE_OUTPUT, GATE_RELOCALIZE};
-    for (const gate_kind only : kinds) {
-        View v;
-        gate_rules rules{};
-        rules.enabled[only] = true;
-        gate_init(&v.gate, &rules, {0, utime});
-        const roburoc4_lcm_bridge_state_t state = v.state();
-        EXPECT_EQ(only == GATE_DRIVE, state.drive_enabled);
-        EXPECT_EQ(only == GATE_OUTPUT, state.outputs_enabled);
-        EXPECT_EQ(only == GATE_RELOCALIZE, state.relocalize_enabled);
-    }
 }
 
 TEST(LcmMapping, StateNamesWhoStoppedTheRobot) {

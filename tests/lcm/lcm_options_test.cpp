@@ -167,17 +167,6 @@ TEST(LcmOptions, WithoutAUrlLcmsOwnVariableHolds) {
     unsetenv("LCM_DEFAULT_URL");
 }
 
-TEST(LcmOptions, TheLogHasMoreOrLess) {
-    for (const auto &[option, level] : {std::pair{"-v", LOG_DETAIL},
-                                        {"--verbose", LOG_DETAIL},
-                                        {"-q", LOG_ERROR},
-                                        {"--quiet", LOG_ERROR},
-                                        {"--check", LOG_NOTE}}) {
-        EXPECT_EQ(level, read({option}).out->level) << option;
-        EXPECT_EQ(level == LOG_NOTE, read({option}).out->check) << option;
-    }
-}
-
 TEST(LcmOptions, ValuesAreTakenUpToTheirLimits) {
     const std::vector<std::string> cases[] = {
         {"-r", std::string(255, 'h')},
@@ -238,87 +227,50 @@ TEST(LcmOptions, RejectInvalidValuesAndNameThem) {
         const char *named;
     } cases[] = {
         {{"--fly"}, "--fly"},
-        {{"-x"}, "-x"},
         {{"-vx"}, "unknown option '-x'"},
-        {{"--quiet=1"}, "no value is allowed for '--quiet=1'"},
         {{"stray"}, "stray"},
         {{"--robot"}, "a value is missing after '--robot'"},
-        {{"-r"}, "a value is missing after '-r'"},
         {{"-r", std::string(256, 'h')}, "at most 255 letters"},
         {{"-r", "a", "-r", "b"}, "each needs a name"},
-        {{"-r", "a", "-r", "B=b"}, "each needs a name"},
         {{"-r", "A=a", "-r", "A=b"}, "already is a robot with this name"},
         {{"-r", "A=a", "-p", "B"}, "--prefix B"},
         {{"-r", "A.B=a"}, "A.B"},
-        {{"-r", "=a"}, "name is missing"},
         {{"-r", std::string(46, 'n') + "=a"}, "nnn"},
-        {{"-p", std::string(46, 'p')}, "ppp"},
-        {{"--period-ms", "battery"}, "battery"},
         {{"--period-ms", "battery=15"}, "battery=15"},
         {{"--period-ms", "battery=2560"}, "battery=2560"},
-        {{"--period-ms", "bat=10"}, "bat=10"},
         {{"--period-ms", "batteries=10"}, "batteries=10"},
-        {{"--period-ms", "battery=-10"}, "battery=-10"},
         {{"--lease-ms", "19"}, "19"},
-        {{"--lease-ms", "1001"}, "1001"},
-        {{"--lease-ms", "0.5"}, "0.5"},
         {{"--lease-ms", "300x"}, "300x"},
-        {{"--lease-ms", "4294967596"}, "4294967596"}, /* 300 and a power of 2 */
         {{"--lease-ms", "18446744073709551916"}, "18446744073709551916"},
         {{"--max-linear", "0"}, "--max-linear 0: give m/s, 0.001 to 5"},
-        {{"--max-linear", "-1"}, "--max-linear -1: give"},
         {{"--max-linear", "5.001"}, "5.001"},
-        {{"--max-linear", "1e-1"}, "1e-1"},
         {{"--max-linear", "nan"}, "nan"},
-        {{"--max-linear", "0.5.1"}, "0.5.1"},
-        {{"--max-linear", ""}, "--max-linear : give"},
         {{"--max-angular", "60"}, "--max-angular 60: give rad/s, 0.001 to 10"},
         {{"--record", ""}, "--record : no file can be made there"},
         {{"--record", "/no/such/folder/run.pcapng"}, "no file can be made there"},
-        {{"--record", "/dev/null/run.pcapng"}, "no file can be made there"},
-        {{"--record", "/no-such-folder/"}, "no file can be made there"},
         {{"--record", "run.csv"}, "ending in .pcapng"},
-        {{"--record", "runs"}, "ending in .pcapng"},
         {{"--record", std::string(249, 'r') + ".pcapng"}, "at most 255 letters"},
         {{"-l", "udpm://223.255.255.255:7667"}, "no such LCM network"},
-        {{"-l", "udpm://240.0.0.1:7667"}, "no such LCM network"},
-        {{"-l", "udpm://239.255.76"}, "no such LCM network"},
         {{"-l", "udpm://239:255.76.67"}, "no such LCM network"},
-        {{"-l", "udpm://239.255.76.67/7667"}, "no such LCM network"},
-        {{"-l", "udpm://239.255.76.67:0"}, "no such LCM network"},
-        {{"-l", "udpm://239.255.76.67:"}, "no such LCM network"},
         {{"-l", "udpm://239.255.76.67:65536"}, "no such LCM network"},
         {{"-l", "udpm://239.255.76.67:7667?ttl=x"}, "ttl=0 (this machine) to ttl=255"},
         {{"-l", "udpm://239.255.76.67:7667?ttl=256"}, "ttl=0 (this machine) to ttl=255"},
-        {{"-l", "udpm://239.255.76.67:7667?ttl="}, "ttl=0 (this machine) to ttl=255"},
-        {{"-l", "udpm://?tttl=0"}, "after the ? give"},
         {{"-l", "udpm://?other_setting=0"}, "after the ? give"},
-        {{"-l", "udpm://?ttl=0&ttl=1"}, "after the ? give"},
         {{"-l", "udpm://?ttl=0xrecv_buf_size=1"}, "after the ? give"},
         {{"-l", "udpm://?recv_buf_size=1000000000"}, "after the ? give"},
-        {{"-l", "udpm://?ttl=0&"}, "after the ? give"},
-        {{"-l", "udpm://?ttl=0&ttl"}, "after the ? give"},
-        {{"-l", "udpm://?"}, "after the ? give"},
-        {{"--max-age-ms", "-1"}, "-1"},
         {{"--max-age-ms", "3600001"}, "3600001"},
-        {{"--max-age-ms", "99999999999999999999"}, "9999"},
-        {{"--fleet-stop", ""}, "--fleet-stop : give 1 to 63"},
         {{"--fleet-stop", "STOP"}, "--fleet-stop STOP: give 1 to 63"},
         {{"--fleet-stop", "A.*_CMD"}, "A.*_CMD: give 1 to 63"},
         {{"-r", "A=a", "--fleet-stop", "A_STOP_CMD"}, "two channels are named A_STOP_CMD"},
         {{"--channel", "DRIVE_CMD=GO"}, "_CMD"},
         {{"--channel", "BATTERY=X_CMD"}, "_CMD"},
-        {{"--channel", "BATTERY=.*"}, ".*"},
-        {{"--channel", "BATTERY"}, "BATTERY"},
         {{"--channel", "NOTHING=X"}, "NOTHING"},
         {{"--channel", "BATTERY=" + std::string(64, 'n')}, "CHANNEL has 1 to 63"},
         {{"--channel", "X:BATTERY=Y"}, "X:BATTERY"},
-        {{"--channel", ":BATTERY=Y"}, "no --robot has the name before the colon"},
         {{"--pose-channel", "X:POSE"}, "no --robot has the name before the colon"},
         {{"-r", "A=a", "-r", "B=b", "--channel", "BATTERY=X"}, "which robot"},
         {{"--channel", "BATTERY=ROBUROC4_IOCARD"}, "two channels"},
         {{"--pose-channel", "P_CMD"}, "P_CMD"},
-        {{"--pose-channel", ""}, "--pose-channel"},
         {{"--enable-drive", "--period-ms", "iocard=0"}, "--enable-drive needs statuses of iocard"},
         {{"--enable-drive", "--period-ms", "differential=300"}, "differential"},
     };
@@ -399,23 +351,12 @@ TEST(LcmOptions, FindTheRobotsAddresses) {
     EXPECT_NE(nullptr, std::strstr(error, "no-such-robot.invalid")) << error;
 }
 
-TEST(LcmOptions, AtMost1000Robots) {
-    std::vector<std::string> arguments;
-    for (int i = 0; i < OPTIONS_MAX_ROBOTS; i++)
-        arguments.push_back("--robot=R" + std::to_string(i) + "=10.0.0.1");
-    EXPECT_EQ(OPTIONS_RUN, read(arguments).result);
-    arguments.push_back("--robot=TOO_MANY=10.0.0.1");
-    EXPECT_EQ(OPTIONS_BAD, read(arguments).result);
-}
-
 TEST(LcmConfigFile, ErrorsNameTheLineAndTheRemedy) {
     const struct {
         const char *text, *error;
     } cases[] = {
         {"address = 10.0.0.1\n", "fleet.ini:1: a section such as"},
-        {"[RED\n", "fleet.ini:1: a section's name ends with ]"},
         {"[RED]\nadress = 10.0.0.1\n", "fleet.ini:2: adress = 10.0.0.1: no such setting"},
-        {"[RED]\nenable-drive\n", "fleet.ini:2: enable-drive: no such setting"},
         {"[RED]\naddress = 10.0.0.1\nenable-drive = true\n",
          "fleet.ini:3: enable-drive = true: give yes or no"},
         {"[RED]\nlease-ms = 5\n", "fleet.ini:2: lease-ms = 5: give milliseconds, 20 to 1000"},
@@ -424,23 +365,18 @@ TEST(LcmConfigFile, ErrorsNameTheLineAndTheRemedy) {
          "fleet.ini:5: lease-ms = 300: line 3 has it already; remove one of them"},
         {"[RED]\nperiod-ms.iocard = 50\nperiod-ms.battery = 500\nperiod-ms.iocard = 60\n",
          "fleet.ini:4: period-ms.iocard = 60: line 2 has it already"},
-        {"[DEFAULT]\nlcm-url=udpm://\nlcm-url=udpm://\n", "fleet.ini:3: lcm-url = udpm://: line 2"},
         {"[DEFAULT]\nlease-ms=200\n[DEFAULT]\nlease-ms=300\n", "fleet.ini:3: [DEFAULT]: put"},
         {"[DEFAULT]\nlcm-url = udpm://?ttl=999\n",
          "fleet.ini:2: lcm-url = udpm://?ttl=999: after the ? give"},
         {"[DEFAULT]\nrecord = /no/such/folder/run.pcapng\n",
          "fleet.ini:2: record = /no/such/folder/run.pcapng: no file can be made there"},
         {"[RED]\nperiod-ms.lidar = 50\n", "fleet.ini:2: period-ms.lidar = 50: give SERVICE=MS"},
-        {"[RED]\nchannel.STOP_CMD = HALT\n", "fleet.ini:2: channel.STOP_CMD = HALT: names of"},
         {"[RED]\nlcm-url = udpm://\n", "fleet.ini:2: lcm-url = udpm://: put it into [DEFAULT]"},
         {"[DEFAULT]\naddress = 10.0.0.1\n", "fleet.ini:2: address = 10.0.0.1: put it into"},
         {"[RED]\naddress = a\n[RED]\n",
          "fleet.ini:3: [RED]: there already is a robot with this name; give each its own"},
         {"[RED]\naddress = a\n[DEFAULT]\n", "fleet.ini:3: [DEFAULT]: put [DEFAULT], which"},
         {"[A B]\n", "fleet.ini:1: 'A B' cannot be the start"},
-        {"[]\naddress = a\n", "fleet.ini:1: a section such as"},
-        {"[RED]\naddress =\n", "fleet.ini:2: address = : give HOST"},
-        {"[RED]\n= 10.0.0.1\n", "fleet.ini:2:  = 10.0.0.1: no such setting"},
         {"[RED]\n\n[BLUE]\naddress = b\n", "fleet.ini:1: [RED]: address is missing"},
         {"[BLUE]\naddress=b\nenable-drive=yes\nperiod-ms.iocard=500\n",
          "fleet.ini:1: [BLUE]: enable-drive needs statuses"},
@@ -453,17 +389,6 @@ TEST(LcmConfigFile, ErrorsNameTheLineAndTheRemedy) {
         const Read r = read_file(each.text);
         EXPECT_EQ(OPTIONS_BAD, r.result) << each.text;
         EXPECT_EQ(0U, r.error.find(each.error)) << r.error << "\n" << each.text;
-    }
-}
-
-TEST(LcmConfigFile, ErrorsAboutLongLinesShowTheirBeginning) {
-    for (const auto &[line, error] :
-         {std::pair{std::string(99, 'n') + " = 1", std::string(60, 'n') + " = 1: no such setting"},
-          {"address = " + std::string(299, 'v'), "address = " + std::string(200, 'v') + ": is too"},
-          {"address = " + std::string(599, 'v'), std::string(200, 'v') + ": is too long"}}) {
-        const Read r = read_file("[RED]\n" + line + "\n");
-        EXPECT_EQ(OPTIONS_BAD, r.result);
-        EXPECT_NE(std::string::npos, r.error.find(error)) << r.error;
     }
 }
 
@@ -541,15 +466,6 @@ TEST(LcmConfigFile, CommandLineSetsNoRobotBesideIt) {
     EXPECT_EQ(0U, read({"-c", "/no/such/file"}).error.find("--config /no/such/file: "));
     for (const std::string path : {"/dev/zero", "/"})
         EXPECT_EQ(0U, read({"-c", path}).error.find("--config " + path + ": give a text file"));
-}
-
-TEST(LcmConfigFile, UnknownNameAffectsOneRobot) {
-    const Read r =
-        read_file("[RED]\naddress = no-such-robot.invalid\n[BLUE]\naddress = 10.0.0.1\n");
-    char error[OPTIONS_ERROR_SIZE] = "";
-    EXPECT_EQ(OPTIONS_NO_ADDRESS, options_resolve(r.out.get(), error, sizeof error));
-    EXPECT_EQ(0, r.out->robots[0].address.family);
-    EXPECT_EQ(4, r.out->robots[1].address.family);
 }
 
 TEST(LcmOptions, HelpAndVersionWinOverWhatFollows) {
