@@ -52,8 +52,3 @@ def test_invalid_announcements_are_rejected(data: bytes) -> None:
     except ValueError:
         return
     assert decode(found.encode(size)) == (found, size)
-
-
-def test_the_name_of_a_node_is_that_of_ros2_node_list() -> None:
-    assert NODE.full_name == "/red/roburoc4"
-    assert NODE._replace(namespace="/").full_name == "/roburoc4"

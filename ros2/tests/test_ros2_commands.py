@@ -92,19 +92,6 @@ def test_an_old_stamp_moves_nothing_and_is_told_once(topics: Topics) -> None:
     assert topics.notes[0].count("--max-age-ms") == 2
 
 
-def test_a_stamp_that_comes_again_is_obeyed_until_it_is_too_old(topics: Topics) -> None:
-    message = topics.stamped(0.3)
-    for _ in range(4):
-        topics.send(message)
-        topics.step(0.05)
-    assert topics.speeds == (0.3, 0.0)
-    assert topics.notes == []
-    for _ in range(10):
-        topics.send(message)
-        topics.step(0.05)
-    assert topics.speeds == (0.0, 0.0)
-
-
 def test_a_twist_without_a_stamp_is_as_old_as_dds_says(
     roburoc4_simulator: Simulator, robot: Robot
 ) -> None:
@@ -118,15 +105,9 @@ def test_a_twist_without_a_stamp_is_as_old_as_dds_says(
     assert topics.speeds == (0.3, 0.0)
 
 
-@pytest.mark.parametrize("axis", ["linear_x", "linear_y", "linear_z", "angular_x", "angular_z"])
-@pytest.mark.parametrize("value", [math.nan, math.inf])
+@pytest.mark.parametrize(("axis", "value"), [("linear_y", math.nan), ("angular_z", math.inf)])
 def test_nan_anywhere_in_a_message_is_refused(topics: Topics, axis: str, value: float) -> None:
-    topics.send(
-        topics.stamped(
-            **({"linear": 0.3} if axis != "linear_x" else {"linear": value}),
-            **({axis: value} if axis != "linear_x" else {}),
-        )
-    )
+    topics.send(topics.stamped(0.3, **{axis: value}))
     topics.step(0.05)
     assert topics.simulator.state.speed_commands == 0
     assert "NaN or infinity" in topics.notes[-1]
@@ -155,29 +136,6 @@ def test_a_second_publisher_is_refused_and_both_are_named(topics: Topics) -> Non
 def test_a_name_does_not_command_the_terminal(topics: Topics) -> None:
     topics.send(topics.stamped(math.nan), Sender("cc", "/evil\x1b[2J\nstopped"))
     assert topics.notes[-1].startswith("cmd_vel of /evil?[2J?stopped rejected")
-
-
-def test_a_publisher_without_a_node_is_named_by_its_gid(topics: Topics) -> None:
-    topics.send(topics.stamped(math.nan), Sender("010fab", ""))
-    assert "(gid 010fab)" in topics.notes[-1]
-
-
-def test_a_stop_from_anyone_holds_until_all_paused(topics: Topics) -> None:
-    topics.send(topics.stamped(0.3))
-    topics.step(0.05)
-    topics.commands.stop(JOY)
-    topics.step(0.05)
-    assert topics.speeds == (0.0, 0.0)
-    for _ in range(20):
-        topics.send(topics.stamped(0.3))
-        topics.step(0.05)
-    assert topics.speeds == (0.0, 0.0)
-    assert topics.commands.state.stopped_by == "/teleop"
-    topics.step(0.6)
-    topics.send(topics.stamped(0.3))
-    topics.step(0.05)
-    assert topics.speeds == (0.3, 0.0)
-    assert topics.commands.state.stopped_by == ""
 
 
 def test_without_enable_drive_a_stop_is_obeyed_and_nothing_else(
@@ -253,17 +211,16 @@ def test_a_refusal_names_its_cause(topics: Topics, robot: Robot) -> None:
     assert topics.commands.state.diagnosis("red").level == 1
 
 
-@pytest.mark.parametrize("later_s", [0.0, 0.01, 0.02, 0.03, 0.04])
-@pytest.mark.parametrize("stops", [1, 20])
+@pytest.mark.parametrize("later_s", [0.0, 0.03])
 def test_a_stop_that_loses_against_another_commander_says_so_once(
-    topics: Topics, stops: int, later_s: float
+    topics: Topics, later_s: float
 ) -> None:
     with topics.simulator.connect() as other:
         other.arm()
         for at in range(300):
             other.drive(0.3, 0.0)
             topics.step(later_s)
-            if at % 10 == 0 and 60 <= at < 60 + 10 * stops:
+            if at % 10 == 0 and 60 <= at < 260:
                 topics.commands.stop(JOY)
             topics.step(0.05 - later_s)
     (note,) = [note for note in topics.notes if "another commander" in note]

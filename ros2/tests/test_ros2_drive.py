@@ -10,16 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cli_support import one_line, run, start
+from cli_support import start
 from robot_support import until
 
 import roburoc4
 from roburoc4 import Simulator
 from roburoc4_ros2.commands import Commands, DriveConfig
-from roburoc4_ros2.config import robot_config
 from roburoc4_ros2.listener import Listener
 from roburoc4_ros2.participant import Participant
-from roburoc4_ros2.services import Services
 from roburoc4_tools.ros.cdr import Cdr
 from roburoc4_tools.ros.published import CMD_VEL, Profile
 
@@ -168,15 +166,6 @@ def test_a_file_and_options_say_what_drives(
     until(lambda: served.state.last_linear_m_s == pytest.approx(0.1))
 
 
-@pytest.mark.parametrize(
-    ("option", "value"), [("--lease-ms", "5"), ("--max-linear", "fast"), ("--max-age-ms", "-1")]
-)
-def test_a_value_that_cannot_be_used_is_named(option: str, value: str) -> None:
-    done = run("ros2", "--enable-drive", f"{option}={value}", "--list")
-    assert done.returncode == 2
-    assert option in one_line(done.stderr)
-
-
 def test_without_dds_the_robot_stands_and_a_person_is_told(domain: int, served: Simulator) -> None:
     ended, notes = threading.Event(), list[str]()
     participant = Participant(domain, interface="lo")
@@ -219,30 +208,5 @@ def test_an_unforeseen_error_stops_the_robot_and_reading_goes_on(
         until(lambda: len(looks) > 2)
         assert "RuntimeError('odd')" in notes[0]
         assert not robot.facts.armed
-        ended.set()
-        thread.join()
-
-
-def test_an_unforeseen_error_does_not_end_the_services(
-    domain: int, served: Simulator, others: Participant, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    ended, notes, looks = threading.Event(), list[str](), list[float]()
-    node = others.node("/", "x")
-    with roburoc4.connect(served.address) as robot:
-        commands = Commands(robot, DriveConfig(), notes.append)
-        listener = Listener(others, node, commands, [], notes.append)
-        config = robot_config("", {"address": served.address})
-        services = Services(others, node, config, listener, notes.append)
-
-        def look() -> None:
-            looks.append(time.monotonic())
-            if len(looks) == 1:
-                raise RuntimeError("odd")
-
-        monkeypatch.setattr(services, "_look_at_clients", look)
-        thread = threading.Thread(target=services.run, args=(ended,))
-        thread.start()
-        until(lambda: len(looks) > 2)
-        assert "RuntimeError('odd')" in notes[0]
         ended.set()
         thread.join()

@@ -38,11 +38,9 @@ def test_settings_are_obeyed_as_by_ros(given: dict[str, str], expected: dict[str
     ("name", "value"),
     [
         ("ROS_DISTRO", "jazy"),
-        ("ROS_DISTRO", "noetic"),
         ("ROS_DOMAIN_ID", "300"),
         ("ROS_LOCALHOST_ONLY", "yes"),
         ("ROS_AUTOMATIC_DISCOVERY_RANGE", "localhost"),
-        ("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF"),
         ("ROS_DISCOVERY_SERVER", "10.0.0.1:11811"),
         ("ROS_SECURITY_STRATEGY", "Enforce"),
     ],

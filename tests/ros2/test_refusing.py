@@ -42,31 +42,6 @@ def test_a_replayed_recording_moves_nothing(robot: Robot, driven: Node, publish:
     assert not robot.tap.moves()
 
 
-def test_a_broken_payload_moves_nothing_and_ends_nothing(
-    robot: Robot, driven: Node, publish: Publish, listener: Listener
-) -> None:
-    whole = twist_stamped(0.3)
-    broken = publish("rt/cmd_vel", TWIST_STAMPED)
-    for size in (4, 8, 16, 40, len(whole) - 8):
-        broken.send(whole[:size])
-    broken.send(whole[:12] + b"\xff\xff\xff\x7f" + whole[16:])
-    time.sleep(0.5)
-    assert not robot.tap.moves()
-    assert driven.running
-    broken.end()
-    time.sleep(1)
-    publish("rt/cmd_vel", TWIST_STAMPED).stream_until(robot.tap.moves, lambda: twist_stamped(0.3))
-    assert robot.tap.moves(), "it still drives"
-
-
-def test_a_plain_twist_is_refused_unless_asked_for(
-    robot: Robot, start_node: StartNode, listener: Listener, driven: Node
-) -> None:
-    time.sleep(1)
-    types = [e.type for e in listener.of_node() if e.topic == "rt/cmd_vel" and e.kind == "reader"]
-    assert types == ["geometry_msgs::msg::dds_::TwistStamped_"]
-
-
 def test_stop_is_obeyed_from_anyone_and_holds(
     robot: Robot, driven: Node, listener: Listener, drive: Drive, publish: Publish
 ) -> None:

@@ -152,15 +152,6 @@ def test_stop_and_arm_answer_what_happened(
     assert "pause" in refused.message
 
 
-def test_arm_is_refused_without_enable_drive(
-    start_node: StartNode, listener: Listener, client: StartClient
-) -> None:
-    start_node()
-    refused = client("/arm", "std_srvs/srv/Trigger").call(0)
-    assert not refused.success
-    assert "--enable-drive" in refused.message
-
-
 def test_parameters_are_listed_described_and_read(
     start_node: StartNode, robot: Robot, client: StartClient
 ) -> None:
