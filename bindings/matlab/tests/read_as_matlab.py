@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """read_as_matlab.py FOLDER: each .m file is MATLAB to the grammar of tree-sitter, and calls only
 what MATLAB R2021a has: a function of MathWorks' reference list of R2020b, which Pygments has, or
-one that documented/r2021a.txt names. (mh_lint reads the files with another grammar. What
-functions.txt marks as Octave's alone is checked by test_only_what_both_programs_have.)
+one that documented/r2021a.txt names, or of functions.txt. (mh_lint reads the files with another
+grammar.)
 """
 
 import sys

@@ -1,9 +1,9 @@
 function test_cycles_leave_no_descriptor()
-% A thousand robots and simulators, opened and closed: the count of file descriptors stays, and so
+% Hundreds of robots and simulators, opened and closed: the count of file descriptors stays, and so
 % does the memory. (Not with a sanitizer, which keeps what was freed.)
 % SPDX-License-Identifier: MIT
 sim = roburoc4.Simulator('port', 0);
-cycles = 1000;
+cycles = 300;
 for k = 1:cycles
     id = roburoc4_mex('open', sim.address, struct(), 16, '');
     if mod(k, 100) == 0
