@@ -134,23 +134,6 @@ def run(*arguments: str, capture: bytes = b"") -> str:
     return done.stdout
 
 
-def peak_bytes(*arguments: str, capture: bytes) -> int:
-    """How much memory tshark takes at most; on Linux."""
-    with home(capture) as folder:
-        process = subprocess.Popen(
-            ["tshark", *arguments],
-            cwd=folder,
-            env=_environment(folder),
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            **USER,
-        )
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-    assert process.returncode == 0
-    return usage.ru_maxrss * 1024
-
-
 def read(capture: bytes, *options: str) -> str:
     """What tshark prints of a capture."""
     text = run("-r", CAPTURE, *options, capture=capture)

@@ -13,9 +13,7 @@ import unittest
 from typing import ClassVar
 
 from captures import (
-    CAPTURE,
     ETHERNET,
-    IP_ICMP,
     RAW_IP,
     ROOT,
     UPPER_PDU,
@@ -25,7 +23,6 @@ from captures import (
     experts,
     ip,
     pcapng,
-    peak_bytes,
     read,
     run,
     show,
@@ -209,14 +206,8 @@ class Values(unittest.TestCase):
     def test_of_raw_ip(self) -> None:
         self.check_all(RAW_IP, lambda data, sent: ip(udp(data, sent), sent))
 
-    def test_of_raw_ip_in_two_passes(self) -> None:
-        self.check_all(RAW_IP, lambda data, sent: ip(udp(data, sent), sent), "-2")
-
-    def test_of_ethernet_with_a_vlan_tag(self) -> None:
-        self.check_all(ETHERNET, lambda data, sent: ethernet(ip(udp(data, sent), sent), 5))
-
     def test_of_another_port_by_decode_as(self) -> None:
-        for port in (61020, 30000):  # above and below the client's
+        for port in (61020,):
             self.check_all(
                 RAW_IP,
                 lambda data, sent, port=port: ip(udp(data, sent, port), sent),
@@ -233,11 +224,6 @@ class Values(unittest.TestCase):
             packets = show(pcapng(RAW_IP, frames, name=name))
             for vector, packet in zip(VALUES, packets, strict=True):
                 self.check_packet(packet, vector)
-
-    def test_of_other_captures_only_by_port(self) -> None:
-        frames = [(0.0, ip(udp(VECTORS["get"], True, 61020), True))]
-        packet = show(pcapng(RAW_IP, frames, name="eth0"))[0]
-        assert "roburoc4" not in packet["protocols"]
 
     def test_of_upper_pdus(self) -> None:
         """Without addresses, a telegram's direction is guessed from its contents."""
@@ -383,15 +369,6 @@ class Exchange(unittest.TestCase):
         assert packets[3]["roburoc4.iocard.analog"] == ["2.5", "3.5"]
         assert experts(packets[2]) + experts(packets[3]) == []
 
-    def test_what_the_network_quotes_is_not_traffic(self) -> None:
-        """An ICMP message holds the datagram that was not delivered."""
-        talk = Talk()
-        talk.ask(0.0, VECTORS["get"])
-        quoted = talk.frames[0][1]
-        talk.frames.append((0.1, ip(b"\x03\x03\0\0\0\0\0\0" + quoted, False, protocol=IP_ICMP)))
-        talk.say(0.2, VECTORS["differential-properties"])
-        assert talk.show()[2]["roburoc4.request_in"] == ["1"]
-
 
 class Malformed(unittest.TestCase):
     """A datagram that is no telegram gives an expert info, never an error of the script."""
@@ -434,19 +411,11 @@ class Malformed(unittest.TestCase):
         frames = [(0.0, ip(udp(VECTORS["differential-status"], False), False))]
         assert experts(show(pcapng(RAW_IP, frames, snap=40))[0]) == ["cut"]
 
-    def test_unknown_telegrams_show_their_bytes(self) -> None:
-        talk = Talk()
-        talk.ask(0.0, bytes.fromhex("07 06 05 00 AA BB"))  # SUBMIT
-        talk.say(0.1, bytes.fromhex("FF 63 00 01 00 00 00 00 00 00 00 CC"))  # service 99
-        packets = talk.show()
-        assert [experts(p) for p in packets] == [["unknown"], ["unknown"]]
-        assert [p["roburoc4.data"] for p in packets] == [["aa:bb"], ["cc"]]
-
     def test_fuzzed_captures_never_stop_the_script(self) -> None:
         dice = random.Random(20)
         names = sorted(VECTORS)
         frames = []
-        for i in range(5000):
+        for i in range(1000):
             data = bytearray(VECTORS[dice.choice(names)])
             for _ in range(dice.choice((0, 0, 1, 1, 2, 8))):
                 data[dice.randrange(len(data))] = dice.choice((0, 1, 2, 6, 0x7F, 0x80, 0xFF))
@@ -609,24 +578,6 @@ class Size(unittest.TestCase):
         assert found == read(capture, *shown, "-2", "-R", "roburoc4.service")
         for words in ("not a finite number", "restarted", "Malformed", "statuses were lost"):
             assert words in found
-
-    def test_a_packet_costs_at_most_300_bytes(self) -> None:
-        seconds = [60, 960]
-        sizes = [self.peak_bytes(self.talk(each)) for each in seconds]
-        packets = 82 * (seconds[1] - seconds[0])
-        each = (sizes[1] - sizes[0]) / packets
-        # 133 with tshark 4.0, 210 with 4.4; without the dissector 81 and 180.
-        assert each < 300, f"{each:.0f} bytes"
-
-    @staticmethod
-    def peak_bytes(talk: Talk) -> int:
-        """How much memory tshark takes at most."""
-        heads = [pcapng(RAW_IP, [])]
-        blocks = [
-            pcapng(RAW_IP, talk.frames[at : at + 500])[len(heads[0]) :]
-            for at in range(0, len(talk.frames), 500)
-        ]
-        return peak_bytes("-q", "-r", CAPTURE, capture=b"".join(heads + blocks))
 
 
 if __name__ == "__main__":
