@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # drive_square.sh CASE SIMULATOR DRIVE_SQUARE: the example drive_square against the simulator as real
-# processes. CASE is what happens: absent, estop, interrupted. scripts/demo drives the whole square.
+# processes. CASE is what happens: estop, interrupted. scripts/demo drives the whole square.
 set -eu
 case_name=$1
 simulator_program=$2
@@ -14,11 +14,6 @@ restart() {
 }
 
 case $case_name in
-absent)
-    # Port 9 of this machine: nobody listens there.
-    drive 3 "$drive_square" 127.0.0.1:9
-    grep -q 'no robot to be driven at 127.0.0.1:9: .*network: the host answers' said
-    ;;
 estop)
     start "$simulator_program"
     drive_off "$drive_square" "$robot"

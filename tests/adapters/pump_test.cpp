@@ -173,40 +173,6 @@ TEST_F(RequestStop, NeverBlocksWhateverItsHandlerInterrupts) {
 }
 
 /* Cancels a thread repeatedly until it ends, whatever it is doing. */
-template <class Work> void cancel_in(Work work) {
-    pthread_t thread;
-    const auto begin = [](void *argument) -> void * {
-        for (;;) {
-            (*static_cast<Work *>(argument))();
-        }
-    };
-    ASSERT_EQ(pthread_create(&thread, nullptr, begin, &work), 0);
-    sleep_ms(3);
-    ASSERT_EQ(pthread_cancel(thread), 0);
-    void *result = nullptr;
-    ASSERT_EQ(pthread_join(thread, &result), 0);
-    EXPECT_EQ(result, PTHREAD_CANCELED);
-}
-
-TEST(Cancel, OfAReaderLeavesThePumpAlive) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    for (int i = 0; i < 20; i++) {
-        cancel_in([&] {
-            roburoc4_pump_reader reader{};
-            roburoc4_pump_reader_init(pump.get(), &reader);
-            roburoc4_pump_wait_samples(pump.get(), &reader, 20000);
-            pthread_testcancel();
-        });
-    }
-    ASSERT_TRUE(becomes_driven(pump.get(), 0));
-    EXPECT_TRUE(eventually([&] {
-        sleep_ms(5);
-        const std::vector<SpeedCommand> commands = robot.commands();
-        return speeds_in(commands) > 0 && zeros_at_the_end(commands) >= 3;
-    })) << "the lease ended";
-}
-
 /* Runs exit_in_mid_drive.c's program to its end; returns its status as waitpid() does. */
 int run_exit_in_mid_drive(const UdpRobot &robot, const char *how) {
     const std::string address = "127.0.0.1:" + std::to_string(robot.port());

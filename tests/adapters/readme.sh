@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # readme.sh CASE ROOT BUILD [ARGUMENT...]: the C program of README.md, compiled as it says there, against
-# the simulator as real processes. CASE is what happens: drives, interrupted, silent, closed, lost; or installed: the
+# the simulator as real processes. CASE is what happens: drives, interrupted; or installed: the
 # example of docs/c.md is built as it says there from what is installed; or pump: the example at the top of
 # roburoc4_pump.h drives; or newer: compiled with shared libraries, it runs with later ones.
 set -eu
@@ -58,30 +58,6 @@ interrupted)
     end_of_drive 1
     grep -q 'cancelled' said
     state | grep -q 'target 0.000 m/s 0.000 rad/s'
-    ;;
-silent)
-    # A stopped process keeps its port and sends nothing.
-    compile
-    start "$build/bin/roburoc4-sim"
-    kill -STOP "$simulator"
-    drive 1 build/drive "$robot"
-    kill -CONT "$simulator"
-    grep -q 'gave up: not connected' said
-    ;;
-closed)
-    compile
-    robot=127.0.0.1:9
-    drive 1 build/drive "$robot"
-    grep -q 'gave up: not connected' said
-    ;;
-lost)
-    compile
-    start "$build/bin/roburoc4-sim"
-    drive_off build/drive "$robot"
-    kill "$simulator"
-    simulator=
-    end_of_drive 1
-    grep -q 'statuses or commands do not arrive' said
     ;;
 pump)
     # The example at the top of roburoc4_pump.h, in a program that wants it to drive for 2 s.

@@ -107,14 +107,6 @@ TEST(OpenFrom, SendsFromTheLocalAddressAndPort) {
     }
 }
 
-TEST(OpenFrom, WithoutALocalAddressIsOpen) {
-    Socket robot;
-    const roburoc4_address address = robot.address();
-    roburoc4_udp udp{};
-    ASSERT_EQ(roburoc4_udp_open_from(&udp, sizeof udp, &address, nullptr), ROBUROC4_OK);
-    EXPECT_EQ(roburoc4_udp_close(&udp), ROBUROC4_OK);
-}
-
 TEST(OpenFrom, ReportsAnAddressThatItCannotUse) {
     Socket robot, other;
     const roburoc4_address address = robot.address(), taken = other.address();
@@ -144,42 +136,6 @@ TEST(Resolve, AcceptsEveryDocumentedForm) {
     EXPECT_EQ(text_of("[2001:db8::5]:65535"), "[2001:db8::5]:65535");
 }
 
-TEST(Resolve, UsesTheRobotsPortByDefault) {
-    roburoc4_address address{};
-    ASSERT_EQ(roburoc4_udp_resolve(ROBUROC4_DEFAULT_HOST, 0, &address), ROBUROC4_OK);
-    EXPECT_EQ(address.port, ROBUROC4_DEFAULT_PORT);
-    EXPECT_EQ(address.family, 4);
-}
-
-TEST(Resolve, ReportsAMissingAddress) {
-    roburoc4_address address{};
-    EXPECT_EQ(roburoc4_udp_resolve("no..such..name", 1, &address), ROBUROC4_ERR_RESOLVE);
-    EXPECT_EQ(address.family, 0);
-}
-
-TEST(AddressText, ShowsTheZoneOfALinkLocalAddress) {
-    roburoc4_address address{};
-    address.family = 6;
-    address.ip[0] = 0xFE;
-    address.ip[1] = 0x80;
-    address.ip[15] = 1;
-    address.scope = 4294967295u;
-    address.port = 60000;
-    char text[ROBUROC4_ADDRESS_TEXT_SIZE];
-    ASSERT_GT(roburoc4_udp_address_text(&address, text, sizeof text), 0);
-    EXPECT_STREQ(text, "[fe80::1%4294967295]:60000");
-}
-
-TEST(Clock, NeverGoesBackAndKeepsRunning) {
-    uint64_t first = roburoc4_udp_now_us(), last = first;
-    ASSERT_TRUE(eventually([&] {
-        uint64_t now = roburoc4_udp_now_us();
-        EXPECT_GE(now, last);
-        last = now;
-        return now >= first + 20000;
-    }));
-}
-
 /* ---------------------------------------------------------------------------- open, close --- */
 
 TEST(Udp, ReportsWhyTheSystemRefusesAnAddress) {
@@ -202,25 +158,7 @@ TEST(Udp, ReportsASocketThatSomebodyElseClosed) {
     EXPECT_EQ(link.udp.system_error, EBADF);
 }
 
-TEST(Udp, IsNotInheritedByOtherPrograms) {
-    Socket robot;
-    Link link(robot.address());
-    EXPECT_EQ(fcntl(static_cast<int>(roburoc4_udp_fd(&link.udp)), F_GETFD) & FD_CLOEXEC,
-              FD_CLOEXEC);
-}
-
 /* ---------------------------------------------------------------------- sending, receiving --- */
-
-TEST(Udp, AsksForTheDirectoryOnTheFirstWait) {
-    Socket robot;
-    Link link(robot.address());
-    EXPECT_EQ(link.wait(0), 0);
-    Received request = robot.receive(5000);
-    ASSERT_EQ(request.bytes.size(), 4u);
-    EXPECT_EQ(request.bytes[1], ROBUROC4_ACTION_GET);
-    EXPECT_EQ(request.from.sin_port, link.seen_from().sin_port);
-    EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_SENT), 1u);
-}
 
 TEST(Udp, ShowsEachDatagramThatItReceives) {
     Socket robot;
@@ -243,20 +181,6 @@ TEST(Udp, ShowsEachDatagramThatItReceives) {
               ROBUROC4_UDP_NOTHING);
     EXPECT_EQ(size, 0u);
     EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED), 2u);
-}
-
-TEST(Udp, LendsItsDescriptorToTheCallersPoll) {
-    Socket robot;
-    Link link(robot.address());
-    link.wait(0);
-    Received request = robot.receive(5000);
-    ASSERT_FALSE(request.bytes.empty());
-    pollfd watched{static_cast<int>(roburoc4_udp_fd(&link.udp)), POLLIN, 0};
-    EXPECT_EQ(poll(&watched, 1, 0), 0);
-    robot.send(request.from, directory_answer(request.bytes[0]));
-    EXPECT_EQ(poll(&watched, 1, 5000), 1);
-    EXPECT_EQ(link.wait(0), 1);
-    EXPECT_EQ(poll(&watched, 1, 0), 0);
 }
 
 TEST(Udp, SurvivesGarbageOfEveryLength) {
@@ -364,16 +288,6 @@ TEST(Flood, IsTakenInBurstsOfBoundedLength) {
 }
 
 /* --------------------------------------------------------------------------------- waiting --- */
-
-TEST(Wait, LastsAsLongAsRequested) {
-    Socket robot;
-    Link link(robot.address(), false);
-    uint64_t before_us = roburoc4_udp_now_us();
-    EXPECT_EQ(link.wait(30000), 0);
-    uint64_t took_us = roburoc4_udp_now_us() - before_us;
-    EXPECT_GE(took_us, 29000u);
-    EXPECT_LT(took_us, 5000000u);
-}
 
 void ignore_signal(int) {}
 
