@@ -52,12 +52,6 @@ def test_a_bridge_that_hears_us_is_healthy(robot: Robot, bus: Bus, armed: Bridge
     assert armed.state.control_owner == ""
 
 
-def test_a_bridge_that_only_watches_hears_us(bus: Bus, start_bridge: Any, run: Run) -> None:
-    start_bridge().connects()
-    found = document(run(*DOCTOR, bus.url), 0)
-    assert "--enable-drive" in found["verdict"]["remedy"]
-
-
 def test_no_bridge(bus: Bus, run: Run) -> None:
     assert document(run(*DOCTOR, bus.url), 3)["verdict"]["name"] == "no bridge"
 
@@ -105,9 +99,7 @@ def test_clocks_that_differ(run: Run) -> None:
     assert "5.0 s ahead" in found["verdict"]["sentence"]
 
 
-@pytest.mark.parametrize(
-    "url", ["tcpq://", "udpm://10.0.0.1:7667", "udpm://239.255.76.67:x", "udpm://?ttl=x", "ttl=1"]
-)
+@pytest.mark.parametrize("url", ["tcpq://", "udpm://?ttl=x"])
 def test_a_url_that_cannot_be_used(run: Run, url: str) -> None:
     done = run(*DOCTOR, url)
     assert done.ends(60) == 2

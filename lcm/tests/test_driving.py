@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import roburoc4_lcm
 from rig import Bridge, Bus, Planner, Robot, until
-from rig.bus import drive_command, now_us
+from rig.bus import drive_command, move_command, now_us, repeated
 
 StartBridge = Callable[..., Bridge]
 Plan = Callable[..., Planner]
@@ -44,30 +44,6 @@ def test_a_command_drives_the_robot(robot: Robot, armed: Bridge, plan: Plan) -> 
     assert armed.statistics.accepted_drive > 10
 
 
-def test_of_a_burst_of_100_commands_the_last_wins(robot: Robot, bus: Bus, armed: Bridge) -> None:
-    for index in range(100):
-        bus.publish(DRIVE, drive_command(-1.0 - index / 100, lease_us=300_000).encode())
-    bus.publish(DRIVE, drive_command(0.5, lease_us=300_000).encode())
-    until(lambda: 0.5 in speeds(robot), "it drives")
-    until(lambda: not armed.state.driving, "the lease is over")
-    counted = armed.statistics
-    assert counted.accepted_drive + counted.superseded == 101
-    driven = speeds(robot)
-    assert set(driven[driven.index(0.5) :]) == {0.5}
-
-
-def test_ceilings_are_obeyed_and_published(
-    robot: Robot, bus: Bus, start_bridge: StartBridge
-) -> None:
-    bridge = start_bridge("--enable-drive", "--max-linear=0.25", "--max-angular=2").arms()
-    bus.publish(DRIVE, drive_command(3.0, 1.75).encode())
-    until(robot.tap.moves, "a speed reaches the robot")
-    assert robot.tap.moves()[0][1:] == (0.25, 1.75)
-    wait_for_count(bridge, "clamped", 1)
-    properties = bus.last("ROBUROC4_PROPERTIES")
-    assert (properties.ceiling_linear_m_s, properties.ceiling_angular_rad_s) == (0.25, 2.0)
-
-
 COMMANDS: dict[str, Callable[[], Any]] = {
     "DRIVE_CMD": lambda: drive_command(0.3),
     "RELOCALIZE_CMD": lambda: relocalize_command(10.0),
@@ -99,19 +75,13 @@ def relocalizations(robot: Robot) -> list[bytes]:
     return [data for _, data in list(robot.tap.to_robot) if len(data) == 36 and data[0] != 0xFF]
 
 
-@pytest.mark.parametrize("kind", COMMANDS)
 @pytest.mark.parametrize(
-    ("fault", "counter"),
+    ("kind", "fault", "counter"),
     [
-        ({"utime": 0}, "rejected_no_utime"),
-        ({"utime": -5}, "rejected_no_utime"),
-        ({"utime": -(2**63), "lease_us": -(2**31)}, "rejected_no_utime"),
-        ({"ahead_us": -1_000_000}, "rejected_too_old"),
-        ({"ahead_us": 1_000_000}, "rejected_in_future"),
-        ({"utime": 1_700_000_000}, "rejected_too_old"),
-        ({"utime": 1_700_000_000_000_000_000}, "rejected_in_future"),
-        ({"sender": ""}, "rejected_sender"),
-        ({"sender": "x" * 64}, "rejected_sender"),
+        ("OUTPUT_CMD", {"utime": 0}, "rejected_no_utime"),
+        ("DRIVE_CMD", {"ahead_us": -1_000_000}, "rejected_too_old"),
+        ("DRIVE_CMD", {"utime": 1_700_000_000_000_000_000}, "rejected_in_future"),
+        ("RELOCALIZE_CMD", {"sender": ""}, "rejected_sender"),
     ],
     ids=str,
 )
@@ -162,3 +132,25 @@ def test_without_enable_it_only_watches(
     assert effects(robot) == 0
     bridge.end()
     assert effects(robot) == 0, "not even a zero at the end"
+
+
+def test_a_move_reaches_its_goal_once(robot: Robot, bus: Bus, armed: Bridge) -> None:
+    move = move_command(7, kind=2, x_m=0.6, y_m=0.0, theta_rad=0.0)  # KIND_TO_POSE
+
+    def send() -> None:
+        move.utime = now_us()
+        bus.publish("ROBUROC4_MOVE_CMD", move.encode())
+
+    with repeated(send, 0.1):
+        until(
+            lambda: (last := bus.last("ROBUROC4_MOVE_STATUS")) and last.outcome != 0,
+            f"it ends; the bridge said:\n{armed.output}",
+            30,
+        )
+        time.sleep(0.5)
+    status = bus.last("ROBUROC4_MOVE_STATUS")
+    assert (status.move_id, status.outcome, status.sender) == (7, 1, "planner"), status.message
+    assert status.distance_m == pytest.approx(0.6, abs=0.1)
+    pose = bus.last("ROBUROC4_LOCALIZATION")
+    assert pose.x_m == pytest.approx(0.6, abs=0.1), "it is not driven a second time"
+    until(robot.stands, "the robot stands")

@@ -2,8 +2,6 @@
 """The examples do what they promise, as their users run them."""
 
 import csv
-import itertools
-import math
 import os
 import shutil
 import signal
@@ -45,40 +43,6 @@ def test_a_python_example_says_why_it_does_not_drive(
     assert refused.ends(30) == 1
     assert "start the bridge with --enable-drive" in refused.output
     assert not robot.tap.moves()
-
-
-@pytest.mark.parametrize("example", ["drive.py", "move.py", "drive_to"])
-def test_one_way_traffic_is_named_within_seconds(
-    programs: Programs, bus: Bus, run: Run, example: str
-) -> None:
-    """A bridge with ttl=1, to a planner with ttl=0: it is heard, and hears nothing."""
-    python = [sys.executable, EXAMPLES / example]
-    program = python if example.endswith(".py") else [programs(example), "2", "0"]
-    planner = run(*program, LCM_DEFAULT_URL=bus.url)
-    begun = time.monotonic()
-    cycles = itertools.count()
-    while planner.running and time.monotonic() - begun < 20:
-        cycle = next(cycles)
-        state = roburoc4_lcm.bridge_state_t()
-        state.utime, state.can_drive, state.message = now_us(), True, "ready"
-        state.front_bumper_known = state.rear_bumper_known = True
-        bus.publish("ROBUROC4_BRIDGE_STATE", state.encode())
-        for type_, channel in (
-            (roburoc4_lcm.localization_status_t, "LOCALIZATION"),
-            (roburoc4_lcm.differential_status_t, "DIFFERENTIAL"),
-        ):
-            status = type_()
-            status.utime, status.robot_cycles = now_us(), 5 * cycle
-            bus.publish(f"ROBUROC4_{channel}", status.encode())
-        telemeters = roburoc4_lcm.telemeter_status_t()
-        telemeters.utime, telemeters.robot_cycles, telemeters.count = now_us(), 5 * cycle, 2
-        telemeters.telemeters = [roburoc4_lcm.telemeter_t() for _ in range(2)]
-        for telemeter in telemeters.telemeters:
-            telemeter.distance_m = 6.0
-        bus.publish("ROBUROC4_TELEMETER", telemeters.encode())
-        time.sleep(0.05)
-    assert planner.ends(1) == 1, planner.output
-    assert "the bridge hears no command" in planner.output
 
 
 def test_the_lines_of_the_readme_drive(programs: Programs, run: Run, tmp_path: Path) -> None:
@@ -141,40 +105,6 @@ def test_the_c_example_ends_when_somebody_takes_the_robot_over(
     robot.tell("pad a down")
     assert example.ends(10) == 1
     assert "bridge: " in example.output
-
-
-def test_the_c_example_steers_by_fresh_statuses_only(
-    programs: Programs, bus: Bus, run: Run
-) -> None:
-    example = run(programs("drive_to"), "1", "0", LCM_DEFAULT_URL=bus.url)
-    state = roburoc4_lcm.bridge_state_t()
-    pose, speeds = roburoc4_lcm.localization_status_t(), roburoc4_lcm.differential_status_t()
-    distances = roburoc4_lcm.telemeter_status_t()
-    distances.count, distances.telemeters = 2, [roburoc4_lcm.telemeter_t() for _ in range(2)]
-    distances.telemeters[0].distance_m = distances.telemeters[1].distance_m = 5.0
-    state.message, state.can_drive = "heard", True
-    state.front_bumper_known = state.rear_bumper_known = True
-
-    def hears(ahead_us: int) -> str:
-        bus.publish("ROBUROC4_BRIDGE_STATE", state.encode())
-        for status, name in ((pose, "LOCALIZATION"), (speeds, "DIFFERENTIAL")):
-            status.robot_cycles += 5
-            status.utime = now_us() + ahead_us
-            bus.publish(f"ROBUROC4_{name}", status.encode())
-        distances.utime = now_us() + ahead_us
-        bus.publish("ROBUROC4_TELEMETER", distances.encode())
-        time.sleep(0.05)
-        return example.output
-
-    until(lambda: "heard" in hears(-1_500_000), "it hears")
-    for _ in range(5):
-        hears(-1_500_000)
-        hears(1_500_000)
-    assert not bus.of("ROBUROC4_DRIVE_CMD"), "a log that is replayed does not steer"
-    until(lambda: hears(0) and bus.of("ROBUROC4_DRIVE_CMD"), "fresh statuses steer")
-    for _ in range(60):
-        hears(-1_500_000)
-    assert example.ends(1) == 1, "statuses of a log do not keep it waiting"
 
 
 @pytest.mark.java
@@ -256,38 +186,3 @@ def test_no_channel_of_a_log_gets_out_of_the_folder(run: Run, tmp_path: Path) ->
         "a_b_.csv",
     ]
     assert [path.name for path in (tmp_path / "deep").iterdir()] == ["run"]
-
-
-@pytest.mark.parametrize("fault", ["no localization", "picture", "folder"])
-def test_a_log_that_cannot_be_converted_is_reported(run: Run, tmp_path: Path, fault: str) -> None:
-    pose = roburoc4_lcm.localization_status_t()
-    pose.x_m = math.pi
-    # Poses are known by their type, whatever the channel is called.
-    messages = [("A_LOCALIZATION", drive_command(0.1).encode())]
-    if fault != "no localization":
-        messages += [("ODOMETRY", pose.encode())]
-    log = log_with(tmp_path / "lcmlog", *messages)
-    folder, picture = tmp_path / "run", tmp_path / "path.svg"
-    if fault == "folder":
-        folder.write_text("a file")
-    if fault == "picture":
-        picture = tmp_path / "path.xyz"
-    arguments = [EXAMPLES / "log_to_csv.py", log, folder, "--plot", picture]
-    example = run(sys.executable, *arguments, MPLCONFIGDIR=str(tmp_path))
-    assert example.ends(60) == 1, example.output
-    assert "Traceback" not in example.output
-    assert not picture.exists()
-
-
-def test_a_path_is_drawn_whatever_its_channel_is_called(run: Run, tmp_path: Path) -> None:
-    pose = roburoc4_lcm.localization_status_t()
-    log = log_with(
-        tmp_path / "lcmlog",
-        ("A_LOCALIZATION", drive_command(0.1).encode()),
-        ("ODOMETRY", pose.encode()),
-    )
-    picture = tmp_path / "path.svg"
-    arguments = [EXAMPLES / "log_to_csv.py", log, tmp_path / "run", "--plot", picture]
-    example = run(sys.executable, *arguments, MPLCONFIGDIR=str(tmp_path))
-    assert example.ends(60) == 0, example.output
-    assert "<svg" in picture.read_text()

@@ -82,10 +82,7 @@ def rejected(bridge: Bridge) -> int:
     ("options", "ahead_s"),
     [
         pytest.param([], 0.0, id="good clock"),
-        pytest.param([], 0.15, id="sender's clock a little ahead"),
-        pytest.param(["--max-age-ms=0"], 0.0, id="any age"),
         pytest.param(["--max-age-ms=0"], 3600.0, id="any age, sender an hour ahead"),
-        pytest.param(["--max-age-ms=5000"], 4.0, id="long max age, sender ahead"),
     ],
 )
 def test_a_replayed_log_does_not_move_the_robot(

@@ -72,30 +72,3 @@ def test_a_fragment_whose_offset_wraps_is_survived(robot: Robot, bus: Bus, willi
             bus.raw(wraps + b"x" * 1000)
         time.sleep(0.3)
     still_works(robot, bus, willing)
-
-
-def test_any_fragments_are_survived(robot: Robot, bus: Bus, willing: Bridge) -> None:
-    """Two fragments of one message, with any numbers in their headers."""
-    luck = random.Random(17)
-    edges = [0, 1, 7, 39, 64, 100, 2**16 - 1, 2**28, 2**28 + 1, 2**31, 2**32 - 40, 2**32 - 1]
-    names = [b"ROBUROC4_DRIVE_CMD\0", b"ROBUROC4_DRIVE_CMD", b"x" * 80, b"\0", b""]
-    with bus.deaf():
-        for number in range(3000):
-            size = luck.choice(edges[1:])
-            first = luck.choice([0, 0, 0, *edges])
-            of = luck.choice([1, 2, 2, 2, 3, 0xFFFF])
-            head = struct.pack(">IIIIHH", MAGIC_LONG, number, size, first, 0, of)
-            bus.raw(head + luck.choice(names) + luck.randbytes(luck.randrange(50)))
-            for _ in range(2):
-                at = struct.pack(
-                    ">IIIIHH",
-                    MAGIC_LONG,
-                    number,
-                    size,
-                    luck.choice(edges),
-                    luck.choice([0, 1, 1, 2, 0xFFFF]),
-                    of,
-                )
-                bus.raw(at + b"x" * luck.choice([0, 1, 39, 64, 1000]))
-        time.sleep(0.3)
-    still_works(robot, bus, willing)

@@ -92,6 +92,19 @@ def test_an_old_stamp_moves_nothing_and_is_told_once(topics: Topics) -> None:
     assert topics.notes[0].count("--max-age-ms") == 2
 
 
+def test_a_stamp_that_comes_again_is_obeyed_until_it_is_too_old(topics: Topics) -> None:
+    message = topics.stamped(0.3)
+    for _ in range(4):
+        topics.send(message)
+        topics.step(0.05)
+    assert topics.speeds == (0.3, 0.0)
+    assert topics.notes == []
+    for _ in range(10):
+        topics.send(message)
+        topics.step(0.05)
+    assert topics.speeds == (0.0, 0.0)
+
+
 def test_a_twist_without_a_stamp_is_as_old_as_dds_says(
     roburoc4_simulator: Simulator, robot: Robot
 ) -> None:

@@ -99,23 +99,6 @@ TEST(Pump, StopsTheRobotOfAProgramThatHangs) {
     EXPECT_EQ(speeds_in(robot.commands()), speeds) << "no speed after the lease";
 }
 
-TEST(PumpCreate, CanSendFromALocalPort) {
-    test::Socket robot;
-    const roburoc4_address address = robot.address();
-    roburoc4_address local = address;
-    local.port = test::free_port();
-    roburoc4_result result = 0;
-    Pump pump(roburoc4_pump_create_from(&address, &local, nullptr, 0, nullptr, &result));
-    ASSERT_NE(pump, nullptr) << roburoc4_result_text(result);
-    const test::Received got = robot.receive(static_cast<int>(test::kPatienceUs / 1000));
-    EXPECT_EQ(ntohs(got.from.sin_port), local.port);
-    const test::Socket other;
-    local.port = other.port();
-    Pump refused(roburoc4_pump_create_from(&address, &local, nullptr, 0, nullptr, &result));
-    EXPECT_EQ(refused, nullptr);
-    EXPECT_EQ(result, ROBUROC4_ERR_SYSTEM) << "another program has the port";
-}
-
 /* --------------------------------------------------- signals, cancelled threads and exit() --- */
 
 /* What the handler stops. */

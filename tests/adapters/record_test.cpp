@@ -158,19 +158,6 @@ TEST(Record, EveryDatagramOfBothDirectionsIsInTheFile) {
     EXPECT_EQ(capture.datagrams[0].payload.size(), 4u);
 }
 
-TEST(Record, WhatCannotBeOpenedIsAnError) {
-    Folder folder;
-    roburoc4_result result = 0;
-    EXPECT_EQ(roburoc4_recorder_open((folder / "none/run.pcapng").c_str(), nullptr, &result),
-              nullptr);
-    EXPECT_EQ(result, ROBUROC4_ERR_SYSTEM);
-    EXPECT_EQ(errno, ENOENT);
-    EXPECT_EQ(roburoc4_recorder_open("/dev/full", nullptr, &result), nullptr);
-    EXPECT_EQ(result, ROBUROC4_ERR_SYSTEM);
-    EXPECT_EQ(errno, ENOSPC);
-    EXPECT_TRUE(folder.files().empty());
-}
-
 TEST(Record, AKilledProcessLeavesWhatItRecorded) {
     Folder folder;
     const pid_t child = fork();

@@ -1,17 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * udp_test.cpp - the UDP adapter on real loopback sockets: addresses, clock, absent and returning
- * robots, strangers, garbage, floods, waiting.
+ * udp_test.cpp - the UDP adapter on real loopback sockets: addresses, strangers, garbage, floods.
  */
 #include "counts.h"
 #include "udp_support.h"
 
 #include <gtest/gtest.h>
 
-#include <cerrno>
-#include <csignal>
 #include <string>
-#include <sys/time.h>
 
 using test::eventually;
 using test::free_port;
@@ -107,24 +103,6 @@ TEST(OpenFrom, SendsFromTheLocalAddressAndPort) {
     }
 }
 
-TEST(OpenFrom, ReportsAnAddressThatItCannotUse) {
-    Socket robot, other;
-    const roburoc4_address address = robot.address(), taken = other.address();
-    roburoc4_address foreign = address_of(1), six{};
-    roburoc4_udp udp{};
-    foreign.port = 0;
-    foreign.ip[0] = 203; /* 203.0.113.1 belongs to no computer */
-    foreign.ip[1] = 0;
-    foreign.ip[2] = 113;
-    six.family = 6;
-    EXPECT_EQ(roburoc4_udp_open_from(&udp, sizeof udp, &address, &taken), ROBUROC4_ERR_SYSTEM);
-    EXPECT_EQ(udp.system_error, EADDRINUSE);
-    EXPECT_EQ(roburoc4_udp_open_from(&udp, sizeof udp, &address, &foreign), ROBUROC4_ERR_SYSTEM);
-    EXPECT_EQ(udp.system_error, EADDRNOTAVAIL);
-    EXPECT_EQ(roburoc4_udp_open_from(&udp, sizeof udp, &address, &six), ROBUROC4_ERR_ARGUMENT);
-    EXPECT_EQ(roburoc4_udp_close(&udp), ROBUROC4_ERR_CLOSED);
-}
-
 /* ------------------------------------------------------------------------------- addresses --- */
 
 TEST(Resolve, AcceptsEveryDocumentedForm) {
@@ -134,28 +112,6 @@ TEST(Resolve, AcceptsEveryDocumentedForm) {
     EXPECT_EQ(text_of("::1"), "[::1]:1234");
     EXPECT_EQ(text_of("[::1]"), "[::1]:1234");
     EXPECT_EQ(text_of("[2001:db8::5]:65535"), "[2001:db8::5]:65535");
-}
-
-/* ---------------------------------------------------------------------------- open, close --- */
-
-TEST(Udp, ReportsWhyTheSystemRefusesAnAddress) {
-    roburoc4_udp udp{};
-    roburoc4_address broadcast{};
-    ASSERT_EQ(roburoc4_udp_resolve("255.255.255.255:60000", 0, &broadcast), ROBUROC4_OK);
-    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &broadcast), ROBUROC4_ERR_SYSTEM);
-    EXPECT_EQ(udp.fault, uint32_t{ROBUROC4_FAULT_DENIED});
-    EXPECT_EQ(udp.system_error, EACCES);
-    EXPECT_EQ(roburoc4_udp_close(&udp), ROBUROC4_ERR_CLOSED);
-}
-
-TEST(Udp, ReportsASocketThatSomebodyElseClosed) {
-    Socket robot;
-    Link link(robot.address(), false);
-    ASSERT_EQ(close(static_cast<int>(roburoc4_udp_fd(&link.udp))), 0);
-    EXPECT_EQ(link.wait(1000000), ROBUROC4_ERR_SYSTEM);
-    EXPECT_EQ(roburoc4_udp_receive_one(&link.udp, &link.client, nullptr, nullptr),
-              ROBUROC4_ERR_SYSTEM);
-    EXPECT_EQ(link.udp.system_error, EBADF);
 }
 
 /* ---------------------------------------------------------------------- sending, receiving --- */
@@ -204,22 +160,6 @@ TEST(Udp, SurvivesGarbageOfEveryLength) {
     EXPECT_EQ(roburoc4_client_state(&link.client), uint32_t{ROBUROC4_STATE_CONNECTING});
 }
 
-TEST(Udp, DropsOversizedDatagramsAndReadsTheNext) {
-    Socket robot;
-    Link link(robot.address(), false);
-    robot.send(link.seen_from(), std::vector<uint8_t>(ROBUROC4_UDP_MAX_RECEIVE + 1));
-    robot.send(link.seen_from(), std::vector<uint8_t>(60000));
-    robot.send(link.seen_from(), std::vector<uint8_t>(ROBUROC4_UDP_MAX_RECEIVE));
-    size_t size = 0;
-    ASSERT_TRUE(eventually([&] {
-        return roburoc4_udp_receive_one(&link.udp, &link.client, nullptr, &size) ==
-               ROBUROC4_UDP_DROPPED;
-    }));
-    EXPECT_EQ(size, size_t{ROBUROC4_UDP_MAX_RECEIVE});
-    EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_OVERSIZED), 2u);
-    EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED), 1u);
-}
-
 TEST(Udp, ReceivesOnlyFromTheRobotsAddressAndPort) {
     Socket robot;
     Socket same_host;
@@ -246,32 +186,6 @@ TEST(Udp, ReceivesOnlyFromTheRobotsAddressAndPort) {
     EXPECT_EQ(roburoc4_client_count(&link.client, ROBUROC4_COUNT_RECEIVED), 1u);
 }
 
-/* ------------------------------------------------------------------------- absent robots --- */
-
-TEST(AbsentRobot, IsFoundWhenItsServerStartsAndStartsAgain) {
-    uint16_t port = free_port();
-    Link link(address_of(port));
-    ASSERT_TRUE(eventually([&] {
-        link.wait(100000);
-        return link.udp.fault == ROBUROC4_FAULT_REFUSED;
-    }));
-    for (int life = 0; life < 2; life++) {
-        Socket robot(port);
-        Received request;
-        ASSERT_TRUE(eventually([&] {
-            link.wait(100000);
-            request = robot.receive(0);
-            return !request.bytes.empty();
-        }));
-        robot.send(request.from, {0x00});
-        ASSERT_TRUE(eventually([&] {
-            link.wait(100000);
-            return link.udp.fault == ROBUROC4_FAULT_NONE;
-        })) << "a datagram of the robot ends the fault";
-        EXPECT_EQ(link.udp.system_error, 0);
-    }
-}
-
 /* ---------------------------------------------------------------------------------- floods --- */
 
 TEST(Flood, IsTakenInBurstsOfBoundedLength) {
@@ -285,30 +199,6 @@ TEST(Flood, IsTakenInBurstsOfBoundedLength) {
     link.wait(0);
     link.wait(0);
     EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED), 150u);
-}
-
-/* --------------------------------------------------------------------------------- waiting --- */
-
-void ignore_signal(int) {}
-
-TEST(Wait, EndsWhenASignalHandlerRan) {
-    Socket robot;
-    Link link(robot.address(), false);
-    struct sigaction action {
-    }, before{};
-    action.sa_handler = ignore_signal;
-    action.sa_flags = SA_RESTART;
-    ASSERT_EQ(sigaction(SIGALRM, &action, &before), 0);
-    itimerval soon{};
-    soon.it_value.tv_usec = 50000;
-    soon.it_interval.tv_usec = 50000; /* again, if the first comes before the wait */
-    ASSERT_EQ(setitimer(ITIMER_REAL, &soon, nullptr), 0);
-    uint64_t before_us = roburoc4_udp_now_us();
-    EXPECT_EQ(link.wait(60000000), 0);
-    EXPECT_LT(roburoc4_udp_now_us() - before_us, 20000000u);
-    itimerval never{};
-    setitimer(ITIMER_REAL, &never, nullptr);
-    sigaction(SIGALRM, &before, nullptr);
 }
 
 } // namespace

@@ -13,7 +13,7 @@ import sys
 import tempfile
 import unittest
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from datetime import date
 from itertools import islice, pairwise
 from pathlib import Path
@@ -454,32 +454,6 @@ class FirstContact(unittest.TestCase):
             world.let_go_at_s = world.now_s + 0.3
 
         world.hold = hold_shortly
-
-    def asked_in_outage(self, contact: Contact, **changed: Callable[..., None]) -> list[str]:
-        """Return what this step asks, beside the key, of a person who does this otherwise."""
-        world, begun = contact.session.world, 0
-        for step in contact.steps():
-            if step.name == "pad":
-                break
-            if step.name == "outage":
-                begun = len(world.asked)
-                for name, deed in changed.items():
-                    setattr(world, name, deed)
-        return [key for key in world.asked[begun:] if key != "hold"]
-
-    def test_let_go_while_the_cable_is_out_it_is_plugged_in_before_it_is_pulled_again(self) -> None:
-        contact = self.contact(DRIVEN)
-        world = contact.session.world
-        countdown = world.countdown
-
-        def pull(key: str, text: str, seconds: float) -> None:
-            countdown(key, text, seconds)
-            world.let_go_at_s = world.now_s + 2.5
-            world.countdown = countdown
-
-        asked = self.asked_in_outage(contact, countdown=pull)
-        pulls = ["at_cable", "cable_out"]
-        assert asked == [*pulls, "again", "cable_in", *pulls, "cable_in"]
 
     def test_a_countdown_that_something_else_overtakes_is_not_counted_on(self) -> None:
         keyboard = mock.Mock(reports_releases=False)

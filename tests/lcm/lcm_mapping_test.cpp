@@ -379,10 +379,10 @@ TEST(LcmMapping, StateNamesTheDriverOrTheReason) {
     v.facts.armed = v.facts.driving = 0;
     v.facts.disarm_cause = ROBUROC4_ERR_LOST;
     v.facts.arm_refusal = ROBUROC4_ERR_OVERRIDE;
-    v.facts.overridden = 1;
+    v.facts.override_known = v.facts.overridden = 1;
     EXPECT_EQ(ROBUROC4_ERR_LOST, v.state().disarm_cause);
     EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, v.state().arm_refusal) << "what prevents it now";
-    EXPECT_TRUE(v.state().overridden);
+    EXPECT_TRUE(v.state().override_known && v.state().overridden);
 }
 
 TEST(LcmMapping, AStopThatTheRobotDidNotConfirmIsNamed) {

@@ -167,31 +167,6 @@ TEST(LcmOptions, WithoutAUrlLcmsOwnVariableHolds) {
     unsetenv("LCM_DEFAULT_URL");
 }
 
-TEST(LcmOptions, ValuesAreTakenUpToTheirLimits) {
-    const std::vector<std::string> cases[] = {
-        {"-r", std::string(255, 'h')},
-        {"-r", std::string(45, 'n') + "=a"},
-        {"-p", std::string(45, 'n')},
-        {"-r", "AB=a", "-r", "A=b"},
-        {"-l", "udpm://224.0.0.1"},
-        {"-l", "udpm://239.255.255.255:1"},
-        {"-l", "udpm://239.255.76.67:65535?ttl=255"},
-        {"-l", "udpm://239.255.76.67:7667?recv_buf_size=999999999&ttl=1"},
-        {"-l", "memq://"},
-        {"--channel", "BATTERY=" + std::string(63, 'n')},
-        {"--allow-sender", std::string(63, 'x')},
-        {"--enable-drive", "--period-ms", "iocard=100", "--period-ms", "differential=100"},
-        {"--lease-ms", "1000"},
-        {"--max-age-ms", "3600000"},
-        {"--max-linear", "5"},
-        {"--max-angular", "0.001"},
-    };
-    for (const auto &arguments : cases) {
-        const Read r = read(arguments);
-        EXPECT_EQ(OPTIONS_RUN, r.result) << r.error;
-    }
-}
-
 TEST(LcmOptions, TheNetworksPortIsLcmsUnlessTheUrlHasOne) {
     EXPECT_EQ(7667, network_port(""));
     EXPECT_EQ(7667, network_port("udpm://239.255.76.67?ttl=1"));

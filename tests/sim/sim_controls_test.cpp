@@ -104,20 +104,6 @@ TEST(SimControls, ReadWhatWasSet) {
     EXPECT_EQ(82, robot.value(ROBUROC4_SIM_LOCALIZATION_FLAGS));
 }
 
-TEST(SimControls, ThatDoNotExistAreRefused) {
-    SimRobot robot;
-    for (const unsigned control : {32U, 99U, 107U, 122U, 202U, 209U, 999U, 1009U, 1064U, 2022U,
-                                   2256U, 3000U, 4008U, 5000U, UINT32_MAX}) {
-        EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_set(robot.get(), control, 0)) << control;
-        EXPECT_EQ(ROBUROC4_ERR_INDEX, robot.value(control)) << control;
-    }
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_DIGITAL_OUTPUT + 3, 1))
-        << "the robot's program sets its outputs";
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, robot.value(ROBUROC4_SIM_PIN));
-    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_MOTOR_BUTTON, 0));
-    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PAD, 1));
-}
-
 /* ------------------------------------------------------------------------------------ sizes --- */
 
 TEST(SimSizes, AShorterConfigurationHasDefaultsForTheRest) {

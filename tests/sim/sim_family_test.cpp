@@ -143,8 +143,6 @@ TEST(SimFamily, AnotherMemberTakesItsPlaceAtTheAddress) {
     EXPECT_FALSE(std::isnan(robot.state().distances_m[0]));
 }
 
-/* ------------------------------------------------------------------------------ telegrams --- */
-
 /* ---------------------------------------------------------------------------------- texts --- */
 
 TEST(SimFamily, AnswersQueriesInEachMode) {
@@ -173,8 +171,6 @@ TEST(SimFamily, ShiftsInputs) {
     EXPECT_EQ(0, robot.value(ROBUROC4_SIM_PIN_DIGITAL + ROBUROC4_DI_PAD_A));
     EXPECT_EQ(1, robot.value(ROBUROC4_SIM_PIN_DIGITAL + ROBUROC4_DI_PAD_A + 3));
 }
-
-/* ----------------------------------------------------------------------------- telemeters --- */
 
 /* -------------------------------------------------------------------------- time and queues --- */
 
@@ -297,9 +293,6 @@ TEST(SimFamily, KeepsATargetUnderTheGamePadAsConfigured) {
         }
     }
 }
-
-/* ------------------------------------------------------------------------ motion and odometry ---
- */
 
 /* ----------------------------------------------------------------------------------- faults --- */
 

@@ -163,22 +163,6 @@ TEST(SimNetwork, DuplicatesTheConfiguredShare) {
         ASSERT_EQ(numbered(number_of(arrival.bytes)), arrival.bytes);
 }
 
-TEST(SimNetwork, ReordersDatagrams) {
-    auto faults = no_faults();
-    faults.reorder = 0.1;
-    const Channel channel(faults);
-    const auto all = pass_many(channel);
-    ASSERT_EQ(many, all.size());
-    expect_share(0.1, channel.counts().reordered);
-    std::uint64_t overtaken = 0;
-    for (std::size_t index = 1; index < all.size(); index++) {
-        overtaken += number_of(all[index].bytes) < number_of(all[index - 1].bytes) ? 1U : 0U;
-        ASSERT_LE(all[index].at_us, number_of(all[index].bytes) * beat_us + 40000);
-    }
-    EXPECT_GT(overtaken, channel.counts().reordered / 2);
-    EXPECT_LE(overtaken, channel.counts().reordered);
-}
-
 TEST(SimNetwork, CorruptsTheConfiguredShareAndNothingElse) {
     auto faults = no_faults();
     faults.corrupt = 0.25;

@@ -57,8 +57,6 @@ template <class Status, class Decode> Status decode(const Bytes &bytes, Decode d
 
 } // namespace
 
-/* ------------------------------------------------------------------------------ properties --- */
-
 /* ---------------------------------------------------------------------------------- errors --- */
 
 struct Refused {

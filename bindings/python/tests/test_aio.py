@@ -3,7 +3,6 @@
 
 import asyncio
 import gc
-import math
 import threading
 
 import pytest
@@ -32,22 +31,6 @@ def test_a_program_of_coroutines(served: Simulator) -> None:
     asyncio.run(program())
     assert served.state.last_linear_m_s == 0
     assert served.state.nonzero_speed_commands >= 2
-
-
-def test_timeouts_are_durations(served: Simulator) -> None:
-    async def program() -> None:
-        async with roburoc4.aio.connect(served.address) as robot:
-            for timeout in (math.nan, -1):
-                for call in (
-                    lambda t: robot.arm(t),
-                    lambda t: robot.wait_ready(t),
-                    lambda t: robot.wait_for("battery", t),
-                    lambda t: anext(robot.statuses("battery", timeout=t)),
-                ):
-                    with pytest.raises(roburoc4.ArgumentError, match=f"timeout: {timeout} .* 0 to"):
-                        await call(timeout)
-
-    asyncio.run(program())
 
 
 def test_properties_have_values_right_after_connecting(served: Simulator) -> None:

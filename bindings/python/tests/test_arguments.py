@@ -5,8 +5,6 @@ import asyncio
 import math
 import struct
 from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -91,36 +89,6 @@ def test_a_setting_that_cannot_be_used_names_its_range(
     with pytest.raises(ArgumentError, match=text) as caught:
         roburoc4_simulator.connect(**settings)
     assert caught.value.code is Result.CONFIG
-
-
-@pytest.mark.parametrize(
-    ("arguments", "text"),
-    [
-        ({"timeout": float("nan"), "wait": True}, "timeout: nan .* 0 to"),
-        ({"timeout": -1, "wait": True}, "timeout: -1 .* 0 to"),
-        ({"timeout": "1", "wait": True}, "timeout: '1' .* 0 to"),
-        ({"period_ms": {"coffee": 50}}, "service: 'coffee' .* iocard, telemeter"),
-        ({"wait": "no"}, "wait: 'no' .* True or False"),
-        ({"record": "x\0y.pcapng"}, r"record: 'x\\x00y.pcapng' .* a path"),
-        ({"record": ""}, "record: '' cannot be used"),
-        ({"host": None}, "None is not an address: give HOST"),
-        ({"host": "127.0.0.1\0.evil"}, r"'127.0.0.1\\x00.evil' is not an address: give HOST"),
-    ],
-)
-def test_connect_names_what_it_cannot_use(
-    arguments: dict[str, Any], text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    arguments = {"host": "127.0.0.1:9", "wait": False} | arguments
-
-    async def connect_in_loop() -> None:
-        await roburoc4.aio.connect(**arguments)
-
-    with pytest.raises(ArgumentError, match=text):
-        roburoc4.connect(**arguments)
-    with pytest.raises(ArgumentError, match=text):
-        asyncio.run(connect_in_loop())
-    assert not list(tmp_path.iterdir())
 
 
 def test_no_end_no_switch_and_no_time_left_are_accepted(roburoc4_simulator: Simulator) -> None:

@@ -224,10 +224,10 @@ def test_asyncio_moves_and_cancels() -> None:
 
 
 def test_an_obstacle_is_named_with_its_side_and_distance(sim: Simulator) -> None:
-    sim.add_box(1.5, 0.0, 0.2, 2.0)
-    sim.add_box(-1.5, 0.0, 0.2, 2.0)
+    sim.add_box(2.5, 0.0, 0.2, 2.0)
+    sim.add_box(-2.5, 0.0, 0.2, 2.0)
     with sim.connect() as robot:
-        for distance_m, side in ((2.0, "ahead"), (-3.0, "behind")):
+        for distance_m, side in ((3.0, "ahead"), (-5.0, "behind")):
             robot.arm()
             with pytest.raises(MoveError, match=rf"too near, 0\.\d\d m {side}: clear") as caught:
                 robot.move(distance_m)
