@@ -26,14 +26,12 @@ def start_bridge(
     """Start a bridge to the robot, with more options."""
     count = 0
 
-    def start(
-        *options: str, address: str = robot.address, environment: dict[str, str] | None = None
-    ) -> Bridge:
+    def start(*options: str) -> Bridge:
         nonlocal count
         count += 1
         folder = tmp_path / f"bridge{count}"
         folder.mkdir()
-        bridge = Bridge(programs, folder, bus, address, *options, environment=environment)
+        bridge = Bridge(programs, folder, bus, robot.address, *options)
         ends.callback(bridge.end)
         return bridge
 

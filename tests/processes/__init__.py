@@ -6,7 +6,7 @@ from .process import Program
 from .programs import Programs
 from .robot import Robot
 from .tap import Tap
-from .waiting import holds, until
+from .waiting import until
 
 __all__ = [
     "Program",
@@ -15,6 +15,5 @@ __all__ = [
     "Tap",
     "drives",
     "first_zero_us",
-    "holds",
     "until",
 ]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Waiting for what must happen, and watching that something does not."""
+"""Waiting for what must happen."""
 
 import time
 from collections.abc import Callable
@@ -11,12 +11,4 @@ def until(condition: Callable[[], object], what: str, seconds: float = 60.0) -> 
     while not condition():
         if time.monotonic() > end:
             raise AssertionError(f"did not happen within {seconds} s: {what}")
-        time.sleep(0.005)
-
-
-def holds(condition: Callable[[], object], what: str, seconds: float) -> None:
-    """Watch that it stays true; fail if it does not."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        assert condition(), f"no longer true: {what}"
         time.sleep(0.005)

@@ -46,11 +46,20 @@ class Member : public SimRobot {
                 all.push_back(sent.bytes);
         return all;
     }
+    roburoc4_differential_status differential() {
+        roburoc4_differential_status status{};
+        const auto all = statuses();
+        EXPECT_LE(0, roburoc4_decode_differential_status(all.at(0).data(), all[0].size(), &status));
+        return status;
+    }
     roburoc4_localization_status localization() {
         roburoc4_localization_status status{};
         const auto all = statuses();
         EXPECT_LE(0, roburoc4_decode_localization_status(all.at(0).data(), all[0].size(), &status));
         return status;
+    }
+    double target() {
+        return double(differential().target_linear_m_s);
     }
     /** Its speed after driving long enough for any response. */
     double speed_at(float linear_m_s, std::uint64_t cycles = 1000) {
@@ -172,6 +181,20 @@ TEST(SimFamily, ShiftsInputs) {
     EXPECT_EQ(1, robot.value(ROBUROC4_SIM_PIN_DIGITAL + ROBUROC4_DI_PAD_A + 3));
 }
 
+/* ----------------------------------------------------------------------------- telemeters --- */
+
+TEST(SimFamily, HasAnyTelemetersAndReportsFewer) {
+    for (std::uint32_t count = 0; count <= ROBUROC4_SIM_MAX_TELEMETERS; count++) {
+        Member robot([count](Config &config) {
+            config.telemeters = count;
+            config.reported_distances = 3;
+        });
+        EXPECT_EQ(9U + 28U * count, robot.ask({9, ROBUROC4_ACTION_GET, 3, 0}).size());
+        robot.watch(ROBUROC4_SERVICE_TELEMETER);
+        EXPECT_EQ(11U + 4U * std::min(count, 3U), robot.statuses().at(0).size());
+    }
+}
+
 /* -------------------------------------------------------------------------- time and queues --- */
 
 TEST(SimFamily, StampsAFrozenServiceAsItsStampsMean) {
@@ -263,6 +286,25 @@ TEST(SimFamily, SharesItsListOfSubscriptions) {
     }
 }
 
+TEST(SimFamily, FullListRefusesIgnoresOrForgets) {
+    for (const std::uint32_t full : {0U, 1U, 2U}) {
+        Member robot([full](Config &config) {
+            config.max_subscriptions = 2;
+            config.full_list = full;
+        });
+        EXPECT_EQ(0, robot.insert(4, 1));
+        robot.run(1);
+        EXPECT_EQ(0, robot.insert(5, 1));
+        EXPECT_EQ(full == ROBUROC4_SIM_FULL_REFUSES ? ROBUROC4_ERROR_SERVICE : 0,
+                  robot.insert(6, 1));
+        EXPECT_EQ(0, robot.insert(5, 7)) << "what is there can be changed";
+        EXPECT_EQ(full == ROBUROC4_SIM_FULL_FORGETS ? 0U : 1U, robot.subscription(4));
+        EXPECT_EQ(7U, robot.subscription(5));
+        EXPECT_EQ(full == ROBUROC4_SIM_FULL_FORGETS ? 1U : 0U, robot.subscription(6));
+        EXPECT_EQ(2U, robot.state().subscriptions);
+    }
+}
+
 /* ----------------------------------------------------- commands, watchdog and game pad --- */
 
 TEST(SimFamily, KeepsATargetUnderTheGamePadAsConfigured) {
@@ -291,6 +333,29 @@ TEST(SimFamily, KeepsATargetUnderTheGamePadAsConfigured) {
             robot.run(100);
             EXPECT_EQ(0.0, robot.state().target_linear_m_s) << "the watchdog";
         }
+    }
+}
+
+TEST(SimFamily, StatusesShowTheTargetAsConfigured) {
+    for (const std::uint32_t answer : {0U, 1U}) {
+        Member robot([answer](Config &config) {
+            config.pad_keeps_target = ROBUROC4_SIM_PAD_RESUMES;
+            config.pad_target_hidden = answer;
+            config.tripped_target_shown = answer;
+            config.dead_time_cycles = 10;
+            config.late_targets = 0;
+        });
+        robot.watch(differential);
+        robot.command(1.0F, 0.0F);
+        EXPECT_EQ(1.0, robot.target());
+        robot.set("pad_a", 1);
+        EXPECT_EQ(double(answer), robot.target()) << "under [A]";
+        robot.set("pad_a", 0);
+        robot.run(500);
+        EXPECT_EQ(double(answer), robot.target()) << "after the watchdog";
+        EXPECT_NEAR(0.0, robot.state().wheel_linear_m_s, 1e-3) << "but it has stopped";
+        robot.command(0.0F, 0.0F);
+        EXPECT_EQ(0.0, robot.target());
     }
 }
 

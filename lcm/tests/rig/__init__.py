@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What the tests stand on: real processes, a tap on the robot's wire, and an ear on the bus."""
 
-from processes import Program, Programs, Robot, Tap, holds, until
+from processes import Program, Programs, Robot, Tap, until
 
 from .bridge import Bridge
 from .bus import Bus, Message, Planner
@@ -15,6 +15,5 @@ __all__ = [
     "Programs",
     "Robot",
     "Tap",
-    "holds",
     "until",
 ]

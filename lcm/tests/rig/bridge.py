@@ -19,35 +19,26 @@ class Bridge(Program):
         bus: Bus,
         robot: str | None,
         *options: str,
-        environment: dict[str, str] | None = None,
-        through: tuple[str, ...] = (),
     ) -> None:
         self.bus = bus
-        self.prefix = "ROBUROC4"
-        self.program = programs("roburoc4-lcm")
         super().__init__(
             folder / "bridge.log",
-            *through,
-            self.program,
+            programs("roburoc4-lcm"),
             "--lcm-url",
             bus.url,
             *(("--robot", robot) if robot else ()),
             *options,
-            environment=environment,
         )
-
-    def channel(self, end: str) -> str:
-        return f"{self.prefix}_{end}"
 
     @property
     def state(self) -> Any:
         """The last bridge_state_t, or None."""
-        return self.bus.last(self.channel("BRIDGE_STATE"))
+        return self.bus.last("ROBUROC4_BRIDGE_STATE")
 
     @property
     def statistics(self) -> Any:
         """A bridge_statistics_t published from now on: it counts everything until now."""
-        channel = self.channel("BRIDGE_STATISTICS")
+        channel = "ROBUROC4_BRIDGE_STATISTICS"
         before = len(self.bus.of(channel))
         until(lambda: len(self.bus.of(channel)) > before, "statistics")
         return self.bus.last(channel)
@@ -55,7 +46,7 @@ class Bridge(Program):
     def connects(self, seconds: float = 10.0) -> Self:
         """Wait until statuses of all five services are on the bus."""
         channels = [
-            self.channel(end)
+            f"ROBUROC4_{end}"
             for end in ("DIFFERENTIAL", "LOCALIZATION", "BATTERY", "TELEMETER", "IOCARD")
         ]
 
