@@ -171,6 +171,20 @@ TEST(SimFamily, AnswersQueriesInEachMode) {
                                    }).error_of(of_a));
 }
 
+TEST(SimFamily, WritesTextsInEachShape) {
+    const auto text = [](std::uint32_t texts, std::uint8_t index) {
+        return Member([texts](Config &config) { config.texts = texts; }).text(index);
+    };
+    EXPECT_EQ("button, Game pad \"A\"", text(ROBUROC4_SIM_TEXTS_REORDERED, 8));
+    EXPECT_EQ("Game pad \xAB"
+              "A\xBB button",
+              text(ROBUROC4_SIM_TEXTS_LATIN_1, 8));
+    EXPECT_EQ("Front bumper", text(ROBUROC4_SIM_TEXTS_TWO_FRONT, 2));
+    EXPECT_EQ("Game pad A LED", text(ROBUROC4_SIM_TEXTS_LIKE_A, 3));
+    EXPECT_EQ("", text(0, 2));
+    EXPECT_EQ("", text(0, 3));
+}
+
 TEST(SimFamily, ShiftsInputs) {
     Member robot([](Config &config) { config.input_shift = 3; });
     EXPECT_EQ("Game pad \"A\" button", robot.text(ROBUROC4_DI_PAD_A + 3));
@@ -356,6 +370,17 @@ TEST(SimFamily, StatusesShowTheTargetAsConfigured) {
         EXPECT_NEAR(0.0, robot.state().wheel_linear_m_s, 1e-3) << "but it has stopped";
         robot.command(0.0F, 0.0F);
         EXPECT_EQ(0.0, robot.target());
+    }
+}
+
+TEST(SimFamily, CommandsWithoutMotorPowerAreIgnoredAsConfigured) {
+    for (const std::uint32_t ignored : {0U, 1U}) {
+        Member robot([ignored](Config &config) { config.commands_need_motors = ignored; });
+        robot.drive(1.0F, 0.0F, 20);
+        robot.set("estop_local", 1);
+        robot.drive(1.0F, 0.0F, 20);
+        EXPECT_EQ(1.0 - ignored, robot.state().target_linear_m_s);
+        EXPECT_EQ(int(ignored), robot.state().watchdog_tripped);
     }
 }
 
