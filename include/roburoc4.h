@@ -41,20 +41,20 @@
  *               header gets the fields that it knows; ROBUROC4_SIZED() sets the size.
  *   NULL        a pointer must be valid unless its comment says that it may be NULL.
  *   Cost        receive() of a status takes at most 420 instructions on x86-64, of a differential
- *               one 350, and poll_transmit() 50 if nothing is due (bench/client-cost). No heap, no
+ *               one 360, and poll_transmit() 50 if nothing is due (bench/client-cost). No heap, no
  *               recursion, at most 400 bytes of stack on a Cortex-M0 (bench/footprint).
  *
  * OPTIONS OF A BUILD
  *
- * For small firmwares: define them for every source file of the core. No code is generated for what
- * an option leaves out.
+ * For small firmwares: define them for every source file of the core. What an option leaves out is
+ * not linked (with -Os -ffunction-sections -Wl,--gc-sections).
  *
  *   ROBUROC4_NO_TEXTS       default off: the client reads the robot's texts. If on, the
  *                           configuration must say where things are: iocard_id, differential_id,
  *                           and role_index of the override; without them, arm() is refused
  *                           (_NO_DIFFERENTIAL, _OVERRIDE_UNKNOWN). Moves need the bumpers', too.
- *   ROBUROC4_NO_STATISTICS  default off: the client counts datagrams, loss and jitter. If on, these
- *                           stay 0.
+ *   ROBUROC4_NO_STATISTICS  default off: the client counts what it dropped, loss and jitter. If on,
+ *                           these stay 0.
  *   ROBUROC4_NO_FIXED_ID    default off: the client also connects to a robot that answers every
  *                           request with 0x01, as the manual prints it; none is known. If on, it
  *                           does not.
@@ -200,8 +200,8 @@ typedef struct roburoc4_config {
      *  Those of IO card and differential, where subscribed: at most a third of fresh_ms. (To watch
      *  a robot less often, call roburoc4_client_subscribe() later.) */
     uint16_t period_ms[8];
-    uint32_t first_retry_ms; /* a request is repeated after this, doubling to 1 s; sooner where the
-                                round trip is known to be shorter; 10 to 100; default 100 */
+    uint32_t first_retry_ms; /* first repeat of a request, doubling to 1 s; sooner where the round
+                                trip is known; 10 to 100; default 100 */
     uint32_t lost_ms;  /* silence after which the robot is lost; 200 to 60000; default 1000. Raised
                           at run time to three times the shortest subscribed period */
     uint32_t fresh_ms; /* a status whose greatest possible age exceeds this does not count for
@@ -213,8 +213,8 @@ typedef struct roburoc4_config {
                                    default 1000 */
     float max_linear_m_s;       /* ceiling of speed; 0.001 to 20; default 1.0 */
     float max_angular_rad_s;    /* ceiling of turn rate; 0.001 to 50; default 1.5 */
-    float scale_linear;         /* factor for speeds given to drive(), and what the robot
-                                  counts by what is real, for moves; 0.01 to 10; default 1 */
+    float scale_linear;         /* drive() multiplies speeds by it; for moves, metres that the robot
+                                  reports for each real one; 0.01 to 10; default 1 */
     float scale_angular;        /* likewise */
     uint32_t options;           /* ROBUROC4_OPTION_*; default 0 */
     /** By ROBUROC4_ROLE_*: index of the input on the wire, at most 63 for a digital input and 15
@@ -274,17 +274,17 @@ ROBUROC4_API roburoc4_result roburoc4_client_init(roburoc4_client *client, size_
 /** Begin to connect. Values, counters and statistics start anew. ROBUROC4_ERR_STATE unless idle. */
 ROBUROC4_API roburoc4_result roburoc4_client_start(roburoc4_client *client, uint64_t now_us);
 /** Begin to close: disarms, and stays in ROBUROC4_STATE_CLOSING until the stop sequence, if any,
- *  has ended. Keep calling receive() and poll_transmit() until the state is idle, at most
- *  robot_watchdog_ms or three drive periods; after [A] was released, once more. Subscriptions are
- * kept, as other clients may share them: where none does, end them before with
+ *  has ended. Keep calling receive() and poll_transmit() until the state is idle: it takes at most
+ *  robot_watchdog_ms or three drive periods, and as long again if [A] is released meanwhile.
+ * Subscriptions are kept, as other clients may share them: where none does, end them before with
  * roburoc4_client_subscribe(). ROBUROC4_ERR_STATE if idle. */
 ROBUROC4_API roburoc4_result roburoc4_client_close(roburoc4_client *client, uint64_t now_us);
 
 /** Process a datagram from the robot. The caller ensures that it comes from the robot (connect the
  *  socket). Returns 0 or more if it was used; ROBUROC4_ERR_SHORT, _KIND, _VALUE, _UNMATCHED,
- *  _UNSUBSCRIBED or _OLD if it was dropped and counted. A dropped datagram changes no value, but it
- *  may reveal a restart of the robot, or end the request that it answers in an unknown layout. The
- *  longest of a RobuROC4 has 65 bytes; a receive buffer of 1024 holds all that a client can use. */
+ *  _UNSUBSCRIBED or _OLD if it was dropped and counted. A dropped datagram changes no value, but
+ * even that may reveal a restart of the robot, or end its request. The longest of a RobuROC4 has 65
+ * bytes; a receive buffer of 1024 holds all that a client can use. */
 ROBUROC4_API roburoc4_result roburoc4_client_receive(roburoc4_client *client,
                                                      const uint8_t *datagram, size_t size,
                                                      uint64_t now_us);
@@ -306,11 +306,12 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
 
 /* Motion. A drive command is a lease: the target holds for lease_us unless it is renewed. However
  * driving ends (lease over, pause, stop, or an automatic disarm), the stop sequence follows: zero
- * commands, one per drive period, at least three, until the robot has answered a request that was
- * sent after the first, and a status made at least 160 ms after this answer, when it would show a
- * speed from before, shows both targets 0, or until robot_watchdog_ms has passed. Nothing confirms
- * it while [A] is held, or not known yet; it is sent again when [A] is released, and for as long as
- * a status of at most 2 s shows a target of ours without a lease. A new lease waits for its end.
+ * commands, one per drive period and at least three. It ends when a status shows both targets 0
+ * that was made at least 160 ms after the robot answered a request sent after the first zero (an
+ * earlier one might not show a speed from before), or when robot_watchdog_ms has passed. Nothing
+ * confirms it while [A] is held or not known yet. It is sent again when [A] is released, and for as
+ * long as a status of at most 2 s shows a target of ours without a lease. A new lease waits for its
+ * end.
  * The first zero after a speed is sent at once; all other commands are at least a robot cycle (10
  * ms) apart.
  */
@@ -368,8 +369,8 @@ typedef struct roburoc4_facts {
     uint8_t other_commander; /* 1: the robot reports a target that is not ours: another client
                                 commands it, or has left one behind, which stop() clears */
     uint8_t inhibited;       /* 1: the robot does not follow its target (emergency stop, brakes,
-                                bumper); this disarms. One that drops commands is disarmed for the
-                                same cause, but shows nothing here */
+                                bumper); this disarms. A robot that drops commands disarms for the
+                                same cause, but this stays 0 */
     uint8_t fixed_id;        /* 1: the robot answers every request with 0x01 */
     uint8_t front_bumper;    /* 1: pressed, by the last IO status; of several inputs, any */
     uint8_t rear_bumper;
@@ -398,9 +399,9 @@ typedef struct roburoc4_facts {
     uint32_t age_us[8]; /* by ROBUROC4_SERVICE_*: how old the last status can be at most, now;
                            UINT32_MAX if there is none, or it is from before the robot was found */
 } roburoc4_facts;
-/** Ages, `driving`, `lapsed` and `lease_left_us` are those of now_us; what else changes with time,
- * such as `armed`, is that of the last call of poll_transmit(), arm() or drive(): after a hang,
- * poll first. ROBUROC4_ERR_SIZE for a size that the library does not know. */
+/** Ages, `driving`, `lapsed` and `lease_left_us` are computed for now_us. The rest, such as
+ * `armed`, is as of the last poll_transmit(), arm() or drive(): after a hang, poll first.
+ * ROBUROC4_ERR_SIZE for a size that the library does not know. */
 ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client, uint64_t now_us,
                                                    roburoc4_facts *out);
 

@@ -23,7 +23,7 @@ LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 124);
 LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 760);
 LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1136);
 
-/* The longest wait before a request is repeated while the client is not ready. */
+/* A client that is not ready starts over after a silence of this long. */
 #define PATIENCE_US (5 * SECOND)
 /* The same where only texts are left to request, one at a time, and each may stay unanswered. */
 #define TEXT_PATIENCE_US (15 * SECOND)
@@ -103,7 +103,7 @@ static void lose(client *c) {
     count_up(c, ROBUROC4_COUNT_LOST);
     raise_event(c, ROBUROC4_EVENT_LOST);
     c->private_link.resubscribed = 1;
-    if (!expects_statuses(c)) { /* nothing will tell whether it is the same robot then */
+    if (!expects_statuses(c)) { /* without statuses nothing tells whether it is the same robot */
         roburoc4_lifecycle_forget_outputs(c);
         roburoc4_discovery_clear(&c->private_discovery);
     }
@@ -122,7 +122,7 @@ void roburoc4_lifecycle_reboot(client *c) {
     roburoc4_lifecycle_connect(c, ROBUROC4_STATE_CONNECTING);
 }
 
-/** What is timed, of which no age may be longer than 32 bits hold. */
+/** Every 32-bit time stamp of a client: add new ones here and in stored_times_test.cpp. */
 static const uint16_t stamps[] = {
 #define AT(field) (uint16_t) offsetof(client, private_##field)
     AT(drive.granted_us),
@@ -172,7 +172,7 @@ static void limit_ages(client *c, uint64_t now_us) {
     for (uint32_t i = 0; i < sizeof stamps / sizeof stamps[0]; i++) {
         uint32_t *stamp = stamp_at(c, i);
         if (stamp == &c->private_outputs.relocalize_us && !c->private_outputs.relocalizing) {
-            continue; /* moves see by its value that the robot was relocalized */
+            continue; /* moves compare it, to see whether the robot was relocalized */
         }
         const uint64_t age_us = (c->private_timer.now_us - *stamp) + passed_us;
         *stamp = (uint32_t)now_us - (age_us < OLDEST_US ? (uint32_t)age_us : OLDEST_US);
@@ -185,8 +185,9 @@ static void clock_fault(client *c, uint32_t now_us) {
     const uint32_t heard_us = c->private_link.heard_us + now_us - c->private_timer.now_us;
     set_stamps(c, now_us);
     c->private_link.heard_us = heard_us;
-    c->private_drive.sent_us -= SECOND;     /* a stop sequence goes on at once, by count */
-    c->private_schedule.probe_us -= SECOND; /* no age is known before the first answer */
+    c->private_drive.sent_us -= SECOND; /* so that a zero is due at once */
+    c->private_schedule.probe_us -=
+        SECOND; /* so that a probe is: no age is known before its answer */
     c->private_outputs.relocalize_us -= POSE_TAKEN_US; /* perhaps longer ago: it is late */
     roburoc4_requests_rebase(&c->private_requests, now_us);
     c->private_discovery.doubted = 0; /* copies of its answer are no longer waited for */

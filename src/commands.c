@@ -19,7 +19,7 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
     if (!started(c)) {
         return ROBUROC4_ERR_NOT_READY;
     }
-    /* a refused call makes nothing due, as programs may try again and again, unless it disarms */
+    /* programs may try again and again, so a refused call wakes nothing unless it disarms */
     roburoc4_lifecycle_see_time(c, now_us);
     if (c->private_drive.armed) {
         wake(c);
@@ -34,7 +34,7 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
     return refusal;
 }
 
-/** A lease that is only renewed makes nothing due; one that ended just now does. */
+/** The renewal of an unchanged target makes nothing due; a lease that ended just now does. */
 static bool is_due(const drive *d, bool lease_differs) {
     return d->changed || d->stopping || lease_differs;
 }

@@ -109,7 +109,7 @@ bool roburoc4_discovery_may_drive(const discovery *d, const roburoc4_config *con
     return false;
 }
 
-/** Whether only the text of element i identifies its service, and that text is missing. */
+/** Whether only a text can identify the service of element i, and it has none yet. */
 static bool unseen(const discovery *d, uint32_t i) {
     return d->ids[i] > ROBUROC4_SERVICE_NOTIFICATION && kind_of_type(d->types[i]) == CLAIM_NONE &&
            d->claims[i] == CLAIM_NONE;
@@ -150,7 +150,7 @@ static uint32_t claim_strength(const discovery *d, const roburoc4_config *config
     if (d->claims[i] < ROBUROC4_SERVICE_COUNT) {
         return d->claims[i] == kind ? 2 : 0;
     }
-    /* a missing text may assign this service to another id */
+    /* not while a text is missing that may give this service to another id */
     return d->ids[i] == kind && !any_unseen(d) ? 1 : 0;
 }
 
@@ -187,9 +187,9 @@ static bool is_letter(char c) {
     return (small >= 'a' && small <= 'z') || (c >= '0' && c <= '9') || (uint8_t)c >= 0xC0U;
 }
 
-/** Whether a text goes on with a letter, and not with punctuation: in Latin-1 and Windows-1252 that
- * is below 0xC0, in UTF-8 it begins with 0xE2 0x80. Below 0xC0 are also the further bytes of a
- * letter in UTF-8; `before` is the byte of the word before this one, or 0. */
+/** Whether a text goes on with a letter, in Latin-1, Windows-1252 or UTF-8. 0x80 to 0xBF is one
+ * only within a letter of UTF-8, and 0xE2 0x80 begins punctuation; `before` is the byte of the word
+ * before this one, or 0. */
 static bool at_letter(piece text, char before) {
     const uint8_t byte = (uint8_t)text.text[0];
     if (byte >= 0x80U && byte < 0xC0U) {
@@ -492,8 +492,8 @@ static bool inputs_described(const discovery *d, const int32_t *io_counts) {
            (~d->described[ROBUROC4_IO_DIGITAL_INPUT] & lowest_bits((uint32_t)count)) == 0;
 }
 
-/** Which input is [A]. In fixed-id mode, where late texts may belong to other requests, text
- * and table must agree. */
+/** Which input is [A]. In fixed-id mode, where a late text may be another input's, text and table
+ * must agree. */
 static int32_t find_pad(const discovery *d, const int32_t *io_counts, uint8_t fixed_id) {
     const int32_t index = d->role_texts[ROBUROC4_ROLE_OVERRIDE];
     if (!inputs_described(d, io_counts)) {
@@ -505,7 +505,7 @@ static int32_t find_pad(const discovery *d, const int32_t *io_counts, uint8_t fi
     return fixed_id && index != pad_by_table(io_counts) ? ROLE_TEXT_NONE : index;
 }
 
-/** Which input has another role, for which a guess is enough. */
+/** Which input has another role: by its text, else by the table, as a wrong guess is harmless. */
 static int32_t find_input(const discovery *d, const int32_t *io_counts, uint32_t role) {
     int32_t index = d->role_texts[role];
     if (is_bumper(role) && d->bumpers[role - ROBUROC4_ROLE_FRONT_BUMPER] != 0) {
@@ -537,6 +537,6 @@ roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_confi
         index = role == ROBUROC4_ROLE_OVERRIDE ? find_pad(d, io_counts, fixed_id)
                                                : find_input(d, io_counts, role);
     }
-    /* below 64, which is the most that a client stores */
+    /* below 64, as the setting and the stored texts are */
     return index >= 0 && index < io_counts[role_type(role)] ? index : ROBUROC4_ERR_UNKNOWN;
 }

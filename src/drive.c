@@ -2,9 +2,6 @@
  *
  * Motion: arming, the lease of a drive command, limits, the stop sequence. This is the only file
  * that decides which speeds are sent, and it does so in one function, roburoc4_drive_poll().
- *
- * Times are compared as `now - then >= span` on unsigned numbers: a clock that went back makes the
- * difference huge and ends the lease.
  */
 #include "bytes.h"
 #include "internal.h"
@@ -13,11 +10,10 @@
 #define SPACING_US ROBUROC4_CYCLE_US
 #define STOP_ZEROS 3
 #define OTHER_STATUSES 3
-/* What a status of this age shows without a lease is answered with zeros, although it is too old to
- * drive by. */
+/* Without a lease, a status of at most this age that shows a speed of ours is answered with zeros,
+ * although it may be too old to drive by. */
 #define WATCHED_US (2 * SECOND)
-/* The longest time after which something of ours must have reached the robot, beside a drive
- * period. */
+/* The longest time, beside a drive period, without a proof that something of ours arrived. */
 #define UPLINK_US (400 * MS)
 /* This long after a command, a robot that seems to be at rest may still be changing its direction.
  */
@@ -31,12 +27,12 @@
 /* How far reported targets may be from sent ones, due to rounding by the robot. A target that
  * differs by more from what was reported must appear in statuses. */
 #define TARGET_TOLERANCE FIXED(0.02F)
-/* What may not have reached the robot: nothing, what this lease sent, or also what was sent before;
- * in the end, nothing is known to reach it at all. */
+/* What may still be on its way to the robot: nothing, commands of this lease, also those of earlier
+ * ones; ALL: nothing seems to arrive any more. In this order. */
 enum { IN_FLIGHT_NONE, IN_FLIGHT_THIS_LEASE, IN_FLIGHT_EARLIER, IN_FLIGHT_ALL };
 /* Statuses show a target this long after the robot has taken it, at most. */
 #define SHOWN_AFTER_US (160 * MS)
-/* A status shows that it stands, and one of the inputs as new that [A] is not held. */
+/* SHOWN: a status has targets of 0. CONFIRMED: one of the inputs as new shows [A] released. */
 enum { UNCONFIRMED, SHOWN, CONFIRMED };
 /* Far above any robot's speed, and low enough that products stay finite. */
 #define ANY_SPEED 1000.0F
@@ -107,7 +103,7 @@ void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events)
     end_lease(d);
     if (cause == ROBUROC4_ERR_UPLINK) {
         if (d->in_flight == IN_FLIGHT_NONE && !d->stopping) {
-            /* only zeros did not arrive: no stop sequence, but wait for a newer answer */
+            /* only zeros are missing: no new sequence, but wait for a newer answer */
             d->stop_us = d->heard_us;
             d->zeros_sent = STOP_ZEROS;
         }
@@ -257,8 +253,8 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
 
 /* ---- sending ---- */
 
-/** Whether this share of the speeds is beyond the limits. Of the linear speed, that is the one of
- * the outer wheels. */
+/** Whether this share of the speeds is beyond the limits; the linear one is compared at the outer
+ * wheels. */
 static bool exceeds(const float *speeds, float share, const float *most, float half_width_m) {
     const float linear = magnitude(product(speeds[LINEAR], share));
     const float angular = magnitude(product(speeds[ANGULAR], share));
@@ -278,7 +274,8 @@ static float curve_share(const float *speeds, const float *low, const float *hig
         most[axis] = magnitude(order_of(speeds[axis]) < 0 ? low[axis] : high[axis]);
     }
     if (exceeds(speeds, 1, most, product(width_m, 0.5F))) {
-        /* bit by bit, as the bits of such floats are in their order: a division is large, too */
+        /* bit by bit, as such floats are ordered like their bits, and a division is a large
+         * function */
         share = 0;
         for (uint32_t bit = UINT32_C(1) << 29; bit != 0; bit >>= 1) {
             const bool less =
@@ -337,8 +334,7 @@ static void age_envelope(drive *d, uint32_t window_us, uint32_t now_us) {
     }
 }
 
-/** A target that the robot is not known to have must appear in its statuses. Any that was sent
- * since counts, because statuses miss some of them. */
+/** A new target must be seen in statuses; any that was sent since counts, as statuses miss some. */
 static void expect_echo(drive *d, const float *speeds, uint32_t now_us) {
     for (uint32_t axis = 0; axis < AXES && !d->echo_due; axis++) {
         if (!near(speeds[axis], d->echoed[axis], d->echoed[axis], TARGET_TOLERANCE)) {
@@ -441,8 +437,8 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
 
 /* ---- what the robot reports ---- */
 
-/** Whether a reported target is ours or zero: between the lowest and the highest that was sent
- * recently, or the last that the robot took, which it may keep. */
+/** Whether a reported target is ours or zero: between the lowest and the highest sent recently, or
+ * the last that the robot took. */
 static bool is_ours(const drive *d, uint32_t axis, float target) {
     if (nearly_zero(target)) {
         return true;
@@ -492,8 +488,8 @@ static bool both_near(const float *values, const float *low, const float *high) 
            near(values[ANGULAR], low[ANGULAR], high[ANGULAR], TARGET_TOLERANCE);
 }
 
-/** While driving, what is sent must appear among the reported targets. The one that was reported
- * before shows nothing, unless it is sent again. */
+/** While driving, what is sent must appear among the reported targets. To see the old target again
+ * proves nothing, unless it was sent again. */
 static void watch_echo(drive *d, const roburoc4_config *config, const float *reported, bool ours,
                        uint32_t now_us, uint32_t *events) {
     if (d->echo_due && both_near(reported, d->echo_low, d->echo_high) &&
@@ -533,9 +529,8 @@ static void watch_following(drive *d, const roburoc4_differential_status *s, boo
     }
 }
 
-/** Whether a status confirms the stop: it shows targets of 0, and was made so long after the answer
- * to a request that followed a zero that it would show any speed from before, although all zeros
- * were lost. */
+/** Whether a status confirms the stop: it shows targets of 0, and was made SHOWN_AFTER_US after an
+ * answer to a request that followed a zero, when it would show any speed from before. */
 static void watch_stop(drive *d, bool zero, bool released, const roburoc4_private_link *l,
                        uint32_t now_us) {
     const uint32_t index = STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL);

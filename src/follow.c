@@ -26,8 +26,8 @@
 #define LEAST(bound) ((bound) / 2)
 /* How far a robot may exceed its target: gain, overshoot, and rolling while it should rest. */
 #define MOST(bound) ((bound) + (bound) / 4 + (bound) / 16)
-/* How far a robot of little damping may swing beyond a target that is slower than one before, from
- * how much of the change is left. */
+/* Overshoot of a weakly damped robot when its target gets slower, from how much of the change is
+ * left. */
 #define SWING(change) ((change) / 3)
 static const int32_t tolerance[AXES] = {ONE / 10, ONE / 5};
 /* Slower than this is no motion, so targets of twice as much can be watched. */

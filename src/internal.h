@@ -58,15 +58,15 @@ typedef roburoc4_private_values values;
 
 /* ---- time ---- */
 
-/* Whenever the time passes a multiple of two to the power of AGES_BITS, no age is longer than
- * OLDEST_US, so that none ever reaches 2^31 us. */
+/* Each time this bit of the clock changes, older time stamps are pulled up to OLDEST_US, so that no
+ * age ever reaches 2^31 us. */
 #define AGES_BITS 29
 #define OLDEST_US (UINT32_C(1) << 30)
-/* Longer pauses between two calls are noted. */
+/* Longer pauses between two calls are told to the link: the clock may have jumped. */
 #define PAUSE_US (100 * MS)
 
-/** The time of the current call, and how long it will be until the first of the things is due of
- * which this poll asked. A poll that sends nothing has asked of everything, so that is the client's
+/** The time of the current call, and the shortest time until something that this poll asked about
+ * becomes due. A poll that sends nothing has asked about everything, so that is the client's
  * deadline.
  *
  * Inside, times have 32 bits, and how long ago something was is a difference of two of them: the
@@ -122,8 +122,8 @@ static inline int32_t role_place(uint32_t role) {
 }
 
 /** The index of the channel at a place of the manual's table, on a card with `count` channels of
- * this type; -1 unless it has as many as the table, or one more. The table skips number 02, so with
- * one more channel its numbers are the indexes. */
+ * this type; -1 unless it has exactly as many as the table, or one more: the table skips number 02,
+ * so then its numbers are the indexes. */
 int32_t roburoc4_table_index(uint32_t io_type, int32_t count, int32_t place);
 
 /* ---- config.c ---- */
@@ -163,12 +163,12 @@ bool roburoc4_requests_has_room_for_text(const requests *r);
 bool roburoc4_requests_is_open(const requests *r, const ask *a);
 /** Open a request; false if it is open already or there is no room. */
 bool roburoc4_requests_begin(requests *r, const ask *a);
-/** End an open request without an answer. It may still be refused by an error that does not name
- * its request, which must refuse no text. */
+/** End an open request without an answer. An error that does not name its request may still refuse
+ * it, and must not be taken for a text's. */
 void roburoc4_requests_abandon(requests *r, slot *s, uint32_t now_us);
 void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind, uint32_t now_us);
-/** The next request that must be sent or repeated now, or NULL. If its tries are used up it is
- * closed and stored in *given_up instead. */
+/** The next request that must be sent or repeated now, or NULL; valid as that of match(). If its
+ * tries are used up it is closed and stored in *given_up instead. */
 slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round_trip_us, timer *t,
                             slot **given_up);
 /** The open request to which this answer (at least 5 bytes) or error telegram (at least 1) belongs,
@@ -176,9 +176,8 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round
  * and fixed-id mode use the slot anew, so copy what is needed longer. */
 slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint32_t now_us);
 void roburoc4_requests_close(requests *r, slot *s, uint32_t now_us);
-/** Texts (and in fixed-id mode all requests) wait until no answer to this one can still arrive:
- *  answers to its other tries may take as long as this one took. Without one they wait as after an
- *  error that does not name its request. */
+/** Send no text (in fixed-id mode: nothing) until no answer to another try of this request can
+ * still arrive; NULL: as after an error that does not name its request. */
 void roburoc4_requests_be_quiet(requests *r, const slot *s, uint32_t now_us);
 /** Stop asking for texts of the first `lists` lists, and wait until no answer can still arrive. */
 void roburoc4_requests_cancel_texts(requests *r, uint32_t lists, uint32_t now_us);
@@ -192,14 +191,14 @@ void roburoc4_requests_rebase(requests *r, uint32_t now_us);
 
 typedef enum verdict { VERDICT_NEW, VERDICT_OLD, VERDICT_REBOOT } verdict;
 
-/** Expect statuses anew (of a lost robot); what was learned of times holds if it is still the same.
- */
+/** Expect statuses anew after a loss, and keep what was learned of clocks in case it is the same
+ * robot. */
 void roburoc4_link_restart(roburoc4_private_link *l, const roburoc4_config *config);
 /** Forget what was learned by comparing the clocks of host and robot: it is another one now. */
 void roburoc4_link_forget_times(roburoc4_private_link *l, uint32_t now_us);
 /** This much time passed between two calls: the clock may have jumped by it. */
 void roburoc4_link_pause(roburoc4_private_link *l, uint64_t pause_us);
-/** Learn times from a status of a subscription that an earlier client made. */
+/** A status of a subscription that an earlier client made: only its time is used. */
 void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us);
 /** The ids may now belong to other services: no stored status is fresh. */
 void roburoc4_link_invalidate(roburoc4_private_link *l);
@@ -249,7 +248,7 @@ void roburoc4_drive_stop(drive *d, uint32_t *events);
 void roburoc4_drive_override(drive *d, bool overridden, bool known, uint32_t cycles);
 /** Whether commands did not arrive, and nothing shows yet that they do again. */
 bool roburoc4_drive_is_cut_off(const drive *d);
-/** Whether only an answer to a request that is sent now can show that the zeros arrived. */
+/** Whether only a request that is sent from now on can prove that the zeros arrived. */
 bool roburoc4_drive_asks(const drive *d, timer *t);
 /** The robot seems to have received something that was sent at this time. */
 void roburoc4_drive_heard(drive *d, uint32_t sent_us);
@@ -263,21 +262,21 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
                          const roburoc4_differential_properties *limits, timer *t, float *speeds,
                          uint32_t *events);
-/* [A] on the game pad: released; not seen by a status as new; or held. */
+/* [A] on the game pad: released; no status of the inputs as new as that of the speeds; held. */
 typedef enum pad_state { PAD_RELEASED, PAD_NOT_SEEN, PAD_HELD } pad_state;
 /** A status arrived; how old it is at most, the link knows. */
 void roburoc4_drive_status(drive *d, const roburoc4_config *config,
                            const roburoc4_differential_status *status, pad_state pad,
                            const roburoc4_private_link *l, uint32_t now_us, uint32_t *events);
-/** The differential service has this id and its properties are known, or (known is false) it cannot
- * be driven: the old id still receives a pending stop sequence, another id nothing. */
+/** Known: it can be driven at this id. Not known: a pending stop sequence still goes to the old id;
+ * a changed id gets nothing. */
 void roburoc4_drive_service(drive *d, bool known, uint16_t id);
 /** Whether the robot moves, or is to move, by this status. */
 bool roburoc4_drive_moving(const roburoc4_differential_status *status);
 
 /* ---- follow ---- */
 
-/** Judge anew a robot that is at rest, unless it is watched: it may have moved just now. */
+/** Begin to judge a robot that is at rest, unless it is judged already. */
 void roburoc4_follow_begin(follow *f);
 /* Values of watching: a robot that is armed is at rest, give or take the tolerance. */
 enum { WATCHING_NOTHING, WATCHING_FROM_REST, WATCHING };
@@ -343,7 +342,7 @@ void roburoc4_discovery_text_refused(discovery *d, const int32_t *io_counts, uin
                                      uint32_t index);
 /** The roles whose input this text of a channel names, as bits 1 << role. */
 uint8_t roburoc4_discovery_roles(uint32_t list, const uint8_t *text, uint32_t length);
-/** As roles: the robot refused to give the text. */
+/** Instead of roles: the robot refused to give the text. */
 #define TEXT_REFUSED 0x80
 /** This answer seems to be that of a channel, but may belong to another request: it counts once it
  * is believed. */
@@ -443,8 +442,8 @@ static inline roburoc4_result index_of_role(const roburoc4_client *c, uint32_t r
 
 /* How long to wait for the texts of the directory before services without one are left out. */
 #define IDENTIFY_US SECOND
-/* One probe a second goes to each service in turn; more of them show that a robot that drives still
- * receives, and that the zeros of a stop arrived. */
+/* One probe a second goes to each service in turn. While it drives, more show that the robot still
+ * receives; while a stop waits for proof, that its zeros arrived. */
 static inline uint32_t probe_period_us(roburoc4_client *c) {
     return roburoc4_drive_asks(&c->private_drive, &c->private_timer) ? 50 * MS
            : c->private_drive.lease_active                           ? 150 * MS
@@ -467,7 +466,7 @@ void roburoc4_lifecycle_forget_outputs(roburoc4_client *c);
 void roburoc4_lifecycle_relocalize_ends(roburoc4_client *c, roburoc4_result result);
 /** Read everything about the services again, beginning with this state. */
 void roburoc4_lifecycle_forget_services(roburoc4_client *c, uint32_t state);
-/** Request the directory. */
+/** Begin anew with the directory: forgets requests, what the link knows and the services. */
 void roburoc4_lifecycle_connect(roburoc4_client *c, uint32_t state);
 /** The robot restarted: discover it again. */
 void roburoc4_lifecycle_reboot(roburoc4_client *c);
@@ -482,12 +481,11 @@ static inline void see_time(roburoc4_client *c, uint64_t now_us) {
     c->private_now_us = now_us;
     c->private_timer.now_us = (uint32_t)now_us;
 }
-/** Whether a lease expired, or may disarm for that: before anything else that is noticed late. */
+/** Whether a lease is over and that was not noticed yet: notice it before anything else. */
 static inline bool lapses(const roburoc4_private_drive *d, uint32_t now_us) {
     return (d->lease_active || (d->lapsed && d->armed)) && now_us - d->granted_us >= d->lease_us;
 }
-/** The same as see_time() for calls that are rare: not inlined, which is smaller. It also notices a
- * lapse. */
+/** As see_time(), out of line and so smaller, for rare calls. It also notices a lapse. */
 void roburoc4_lifecycle_see_time(roburoc4_client *c, uint64_t now_us);
 /** The same for a call that makes something due. */
 static inline void begin_call(roburoc4_client *c, uint64_t now_us) {
@@ -525,8 +523,8 @@ void roburoc4_subscriptions_renew_silent(subscriptions *s, const roburoc4_config
 
 /* ---- conditions.c ---- */
 
-/** Whether no text names the game pad's [A], as far as texts can be read, and the user has allowed
- * to drive without it. A configured input exists unless the card has fewer inputs. */
+/** Whether the program allows to drive without knowing [A], and everything that could name it was
+ * read or asked in vain. A configured input exists unless the card has fewer inputs. */
 bool roburoc4_conditions_without_pad(const roburoc4_client *c);
 /** Pass the time and the conditions of driving to the drive state machine. */
 void roburoc4_conditions_tick(roburoc4_client *c);
@@ -539,10 +537,10 @@ roburoc4_result roburoc4_conditions_refusal(const roburoc4_client *c, uint64_t n
 
 /** A request failed: refused by the robot, answered with an invalid telegram, or never answered. */
 void roburoc4_schedule_failed(roburoc4_client *c, const slot *s, roburoc4_result why);
-/** Remember that the robot moved after a pose was given. */
+/** Note whether the robot has moved since a pose was given. */
 void roburoc4_schedule_watch_pose(roburoc4_client *c);
-/** Before a datagram is looked at: notices a time without statuses, in which the robot may have
- * moved. */
+/** Before a datagram is looked at: note a gap in statuses since the pose, in which the robot may
+ * have moved. */
 void roburoc4_schedule_pose_waits(roburoc4_client *c);
 /** The robot accepted the pose: does it still hold? */
 void roburoc4_schedule_pose_taken(roburoc4_client *c, const slot *s);

@@ -10,7 +10,7 @@ typedef roburoc4_private_service service;
 /* Three statuses in a row that are this much older than the newest mean a restart. */
 #define BACK_CYCLES 100
 #define BACK_STATUSES 3
-/* The period is the shortest of this many gaps, which loss hardly ever hides. */
+/* The period is the shortest of this many gaps: loss would have to fall into all of them. */
 #define PERIOD_GAPS 16
 #define SEEN_BITS 64
 /* A longer gap is a pause of the robot, not loss. */
@@ -28,10 +28,10 @@ typedef roburoc4_private_service service;
  * have advanced as the host's, give or take a second. */
 #define RESTART_US SECOND
 #define CLOCK_TOLERANCE_US SECOND
-/* Statuses that are late by more than a second though answers are not, for this long, are from a
- * clock that was set anew. */
+/* Answers are prompt, but statuses more than a second late: after this long, the robot's clock was
+ * set. */
 #define CONTRADICTION_US (2 * SECOND)
-/* After this long, statuses that are less late than that are believed to be on time again. */
+/* If statuses are less late than that, answers are believed after this long. */
 #define FORGIVEN_US (60 * SECOND)
 /* How late or early a status is has 32 bits: more than this is counted as this. */
 #define FAR_US (INT32_C(1) << 30)
@@ -150,7 +150,7 @@ static uint32_t periods_in(uint32_t gap, uint32_t period_cycles) {
     return periods;
 }
 
-/** All gaps were longer than the period, so what seemed lost was never sent. */
+/** The period is longer than expected: what seemed lost was never sent. */
 static void revoke_losses(service *s) {
     const uint32_t steps = periods_in(s->gap_min, s->period_cycles);
     const uint32_t wrong = (steps - 1) * (PERIOD_GAPS - 1);
@@ -221,7 +221,7 @@ static uint32_t drifted_us(const roburoc4_private_link *l, uint64_t now_us) {
     return least_us + (least_us >> 5);
 }
 
-/** A status came in less time than any before. That much of the drift was not there. */
+/** A status came faster than any before: so much of the drift did not happen. */
 static void lower_floor(roburoc4_private_link *l, uint64_t transit, uint32_t below_us,
                         uint64_t now_us) {
     const uint32_t drifted = drifted_us(l, now_us);
@@ -301,8 +301,8 @@ static uint32_t late_of(const roburoc4_private_link *l, const service *s) {
     return late_us < FAR_US ? not_negative(late_us) : AGE_UNKNOWN;
 }
 
-/** By how much all statuses of the last second were late: one that is later still waited by itself,
- *  and an answer may have overtaken it. */
+/** By how much all statuses of the last second were late: that is a queue's. What one is later than
+ *  that is its own, and an answer may have overtaken it. */
 static uint32_t common_lateness(const roburoc4_private_link *l, uint32_t late_us, uint64_t now_us) {
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         if (now_us - l->services[i].received_us < SECOND) {
@@ -313,9 +313,9 @@ static uint32_t common_lateness(const roburoc4_private_link *l, uint32_t late_us
 }
 
 /** The first status after an answer was made after the request was sent, give or take a cycle. That
- *  bounds its age, and distinguishes drifting clocks from a growing queue: with either, all
- *  statuses look late. Because a network can swap an answer and a status, the bound is lowered only
- *  by what all such pairs within a second agree on. */
+ *  bounds its age, and tells drifting clocks from a growing queue: with either, all statuses look
+ *  late. A network can swap an answer and a status, so the bound is lowered only by what all such
+ *  pairs within a second agree on. */
 static void learn_age(roburoc4_private_link *l, uint32_t late_us, uint64_t now_us) {
     const uint32_t drifted = drifted_us(l, now_us);
     const uint32_t passed_us = (uint32_t)now_us - l->asked_us; /* that or longer */
@@ -345,8 +345,8 @@ static void learn_age(roburoc4_private_link *l, uint32_t late_us, uint64_t now_u
     }
 }
 
-/** Whether this status was made when its stamp says. Stamps of measured motion may be older, so
- * they prove nothing where statuses of the IO card come, too. */
+/** Whether this status was made when its stamp says. Stamps of measured motion may be older, so the
+ * IO card's are preferred where they come. */
 static bool dates_itself(const roburoc4_private_link *l, const service *s, uint64_t now_us) {
     const service *card = &l->services[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)];
     return s < &l->services[STATUS_INDEX(ROBUROC4_SERVICE_LOCALIZATION)] ||
@@ -354,8 +354,7 @@ static bool dates_itself(const roburoc4_private_link *l, const service *s, uint6
             (uint32_t)now_us - l->card_inserted_us >= SECOND);
 }
 
-/** Whether the bound on ages needs another proof, if only by a status that is older than others: it
- * may have waited by itself. */
+/** Whether the bound on ages needs another proof, even by a status that is late by itself. */
 static bool is_poor(const roburoc4_private_link *l, uint64_t now_us) {
     return (l->floor_age_us >= POOR_US && l->floor_age_us != AGE_UNKNOWN) ||
            now_us - l->proven_us >= UNPROVEN_US;

@@ -122,8 +122,9 @@ static roburoc4_result take_properties(client *c, uint32_t service, const uint8_
 
 /* ---- statuses ----
  *
- * Most statuses of a ready robot only postpone time-outs. So they do not wake() the client, unless
- * they end driving, end a stop sequence, or make the override known or unknown. */
+ * Most statuses of a ready robot only postpone time-outs, and do not wake() the client. Those do
+ * that make something due: while subscribing or stopping, after an answer, where they end driving,
+ * or change whether the override is known or how ages are bounded. */
 
 /** A status shows that the robot restarted, or is another one. */
 static void see_reboot(client *c, uint64_t robot_cycles) {
@@ -226,7 +227,8 @@ static void take_inputs(client *c, const roburoc4_channels *inputs) {
     if (c->private_state == ROBUROC4_STATE_CLOSING &&
         c->private_timer.now_us - c->private_drive.granted_us >=
             c->private_config.robot_watchdog_ms * MS) {
-        c->private_drive.overridden = overridden; /* no other stop sequence, as this one must end */
+        c->private_drive.overridden = overridden; /* set before, so that the release of [A] begins
+                                                     no new sequence: this one must end */
     }
     const uint32_t card = STATUS_INDEX(ROBUROC4_SERVICE_IOCARD);
     roburoc4_drive_override(&c->private_drive, overridden, known,
@@ -393,7 +395,7 @@ static void take_text(client *c, const slot *s, const roburoc4_text *text) {
     raise_event(c, ROBUROC4_EVENT_DESCRIPTION);
 }
 
-/** A late text may identify a service, or show that one was misidentified. */
+/** A late text may change which service an id belongs to. */
 static void identify_again(client *c) {
     if (c->private_discovery.identified &&
         roburoc4_discovery_identify(&c->private_discovery, &c->private_config)) {
@@ -439,8 +441,8 @@ static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data
     return result;
 }
 
-/** Whether this is certainly the answer to that request, not to an earlier one of the same service
- * and action. In fixed-id mode only probes are far enough apart for that. */
+/** Whether this certainly answers that request, and not an earlier one of the same service and
+ * action. In fixed-id mode only probes are far enough apart for that. */
 static bool measures_round_trip(const client *c, const slot *s, uint8_t id) {
     if (id != s->id || (s->tries > 1 && s->ask.max_tries == REQUEST_FOREVER)) {
         return false;
@@ -451,9 +453,8 @@ static bool measures_round_trip(const client *c, const slot *s, uint8_t id) {
             c->private_timer.now_us - c->private_schedule.phase_us >= LATE_ANSWER_US);
 }
 
-/** An answer to no open request while a text is doubted. If it is about another kind of text, the
- * doubted one may have been the answer to an earlier request, and this one is the right one: the
- * text is requested again. */
+/** An answer to no open request while a text is doubted. If it means something else, that one may
+ * have been an earlier request's answer, and this the right one: the text is requested again. */
 static void contradict(client *c, const uint8_t *data, size_t size, bool bad) {
     discovery *d = &c->private_discovery;
     roburoc4_text text;

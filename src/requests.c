@@ -12,25 +12,28 @@
 #define FIRST_ID 2 /* 0x01 is reserved for robots that answer no other id */
 #define LAST_ID 254
 #define FIXED_AFTER 3
-/* Texts wait this long after an error that does not name its request, as a copy may come late. */
+/* Texts wait this long after an error that does not name its request: a late copy would refuse the
+ * wrong text. */
 #define QUIET_US (700 * MS)
 /* In fixed-id mode they wait after each answer for twice the slowest recent one, at least this. */
 #define SHORTEST_QUIET_US (250 * MS)
 /* Where texts come twice, this is the slowest one at least. */
 #define COPY_MS (QUIET_US / MS / 2)
-/* After several tries they wait as long as the answer took, up to this. */
+/* After several tries they wait as long as the answer took, but no longer than this. */
 #define LONGEST_QUIET_US (5 * SECOND)
 /* If answers do not name their request, a text is repeated only this much later. */
 #define PATIENCE 5
 /* A request is repeated after four of the shortest round trip, but not earlier than this. */
 #define SHORTEST_RETRY_US (20 * MS)
-/* Tries are timed from the first one, unless the program paused for longer than this. */
+/* sent_us stays that of the first try, unless the program paused for longer than this. */
 #define LONGEST_PAUSE_US (100 * SECOND)
 /* Every this many tries to connect, 0x01 is used: some robots answer no other id. */
 #define MANUAL_ID_EVERY 6
-/* Tries before an answer to 0x01 counts, as it may be from another robot. */
+/* A robot that is known to echo ids must answer 0x01 after this many tries before it counts:
+ * another robot may have answered. */
 #define DOUBT_AFTER (2 * MANUAL_ID_EVERY)
-/* Values of quiet: what has to wait in fixed-id mode. */
+/* Values of quiet, each of which includes the one before: what has to wait; ALL only in fixed-id
+ * mode. */
 enum { QUIET_NOTHING, QUIET_TEXTS, QUIET_ALL };
 /* Values of id_mode: which ids the robot has answered so far. If a robot that answered any may be
  * another one now, the next connection will tell. */
@@ -139,7 +142,8 @@ void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind, uint32_
     }
 }
 
-/* The count of tries stops here and cycles through the last few, one of which uses 0x01. */
+/* The count of tries has 8 bits: it goes back by MANUAL_ID_EVERY here, so that 0x01 keeps its turn.
+ */
 #define TRIES_WRAP (41 * MANUAL_ID_EVERY)
 
 static bool id_in_use(const requests *r, uint8_t id) {
@@ -180,7 +184,7 @@ static uint8_t next_id(requests *r, const slot *s) {
 }
 
 /** Use only 0x01 from now on, and close all requests but this one. A text is closed, too, as the
- * answer may be to another one; then NULL. */
+ * answer may be another one's; then NULL. */
 static slot *go_to_fixed_id(requests *r, const slot *only, uint32_t now_us) {
     const slot kept = *only;
     const bool texts = roburoc4_requests_text_open(r);
@@ -226,7 +230,7 @@ static void begin_try(requests *r, slot *s, uint32_t wait_us, uint32_t now_us) {
     s->tries = s->tries < TRIES_WRAP ? s->tries + 1U : TRIES_WRAP + 1 - MANUAL_ID_EVERY;
 }
 
-/** How long all tries take at the configured rate; the request is not given up earlier. */
+/** The time of all tries at the configured pace; the request is not given up earlier. */
 static uint32_t longest_try_us(const slot *s, uint32_t longest_us) {
     uint32_t sum_us = 0;
     for (uint32_t i = 0; i < s->ask.max_tries; i++) {
@@ -307,7 +311,7 @@ static bool error_fits(const slot *s, const uint8_t *datagram, size_t size) {
            (size < 4 || (uint16_t)(datagram[2] | datagram[3] << 8) == s->ask.target);
 }
 
-/** A robot that once echoed another id knows more than 0x01, however much is lost. */
+/** Once the robot echoed another id, loss must not make it look as if it knew only 0x01. */
 static void note_answered_id(requests *r, const slot *s) {
     if (s->id != ROBUROC4_HEADER_MANUAL) {
         r->id_mode = ANSWERED_ANY_ID;
@@ -339,8 +343,8 @@ void roburoc4_requests_be_quiet(requests *r, const slot *s, uint32_t now_us) {
     wait_for_copies(r, QUIET_ALL, wait_us, now_us);
 }
 
-/** Another text waits until an answer that belongs to this one must have arrived, however little
- * time the answer took that was taken for it. */
+/** Wait twice the slowest recent answer before the next text: the right one may come after the one
+ * that was taken for it. */
 static void be_quiet_after_text(requests *r, uint32_t now_us) {
     wait_for_copies(r, QUIET_TEXTS, slower(SHORTEST_QUIET_US, r), now_us);
 }
@@ -405,8 +409,8 @@ static slot *find_id(requests *r, const uint8_t *datagram, size_t size, uint32_t
     return NULL;
 }
 
-/** The request that an error without an id refuses: the oldest. A text only if neither another one
- * nor an abandoned request can be meant. */
+/** The request that an error without an id refuses: the oldest; a text only if it fits no other
+ * request and none was abandoned lately. */
 static slot *match_error(requests *r, const candidates *found, size_t size, uint32_t now_us) {
     slot *s = found->oldest;
     if (is_text(s) && (found->count > 1 || !r->single_texts || r->quiet)) {

@@ -6,15 +6,15 @@
 #include "bytes.h"
 #include "internal.h"
 
-/* A probe waits up to 0.8 s for its answer (at the default first_retry_ms). */
+/* A probe is given up after 1.5 s (at the default first_retry_ms). */
 #define PROBE_TRIES 4
 /* Given up after 2.5 s (at the default first_retry_ms); a probe asks again later. */
 #define REQUEST_TRIES 5
 #define FIRST_STATUS_SERVICE ROBUROC4_SERVICE_IOCARD
-/* Where an error does not name its request, another refusal so soon would keep texts waiting. */
+/* A refusal that does not name its request holds up texts, so this long passes until the next. */
 #define DECLINED_US (30 * SECOND)
-/* A pose that could not be sent within this time is sent only if the robot has been at rest; the
- * same holds of one that is accepted after POSE_TAKEN_US. */
+/* A pose that was not sent within this time is sent only to a robot at rest; one that is accepted
+ * after POSE_TAKEN_US counts only of such a robot. */
 #define POSE_US (50 * MS)
 /* A robot below these speeds, in m/s and rad/s, is at rest for a new pose; older statuses do not
  * show that it still is. */
@@ -83,8 +83,8 @@ static void ask_declined_again(client *c) {
     }
 }
 
-/** In fixed-id mode answers to probes show that zeros arrived, and a text may have none. Without a
- * known override no stop is confirmed, so that texts come first. */
+/** In fixed-id mode the proof of zeros comes before texts, unless [A] is not known: then nothing is
+ * confirmed anyway. */
 static bool texts_wait(const client *c) {
     return in_fixed_id_mode(&c->private_requests) &&
            (c->private_drive.armed ||
@@ -116,7 +116,7 @@ static bool open_probe(client *c) {
             index_of_role(c, ROBUROC4_ROLE_OVERRIDE) < 0 &&
             roburoc4_discovery_inputs_passed(d, c->private_values.io_counts)) {
             roburoc4_discovery_forget_inputs(d);
-            /* every answer may have been matched to the request after its own */
+            /* all texts may be shifted by one: read them again */
             roburoc4_requests_be_quiet(&c->private_requests, NULL, c->private_timer.now_us);
         }
     }
@@ -147,7 +147,7 @@ void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
     switch (s->ask.action) {
     case ROBUROC4_ACTION_GET:
         d->refused |= service_bit(s->ask.kind);
-        /* a refusal of what it has told before is meant for another request */
+        /* it answered this before, so the refusal is meant for another request */
         if (s->ask.kind == ROBUROC4_SERVICE_DIFFERENTIAL && why != ROBUROC4_ERR_TIMEOUT &&
             (why != ROBUROC4_ERR_ROBOT ||
              (d->known & service_bit(ROBUROC4_SERVICE_DIFFERENTIAL)) == 0)) {
@@ -182,15 +182,15 @@ static bool open_pose(client *c) {
            open_about(c, ROBUROC4_ACTION_REPLACE, ROBUROC4_SERVICE_LOCALIZATION, REQUEST_TRIES);
 }
 
-/** Where errors do not name their request, one that comes while a text and a probe are open refuses
- * neither. So a probe waits for the text, unless the robot may move. */
+/** With a text and a probe open, nobody knows which of them an error without an id refuses. So a
+ * probe waits for the text, unless the robot may move. */
 static bool probe_waits(const client *c) {
     return c->private_requests.single_texts && roburoc4_requests_text_open(&c->private_requests) &&
            !c->private_drive.armed && !c->private_drive.stopping;
 }
 
-/** The probe, else a text. Where one request at a time is open, and the robot is slow, probes are
- * always due: then they take turns. */
+/** The probe, else a text. With a slow robot in fixed-id mode a probe is always due: then they take
+ * turns. */
 static bool open_probe_or_text(client *c) {
     roburoc4_private_schedule *s = &c->private_schedule;
     const bool text_first = s->text_first && in_fixed_id_mode(&c->private_requests);

@@ -210,7 +210,7 @@ static roburoc4_result give(void *out, const void *filled, uint32_t filled_size)
     return ROBUROC4_OK;
 }
 
-/** A status has come since what is low is known, or says that it is critical. */
+/** A status came after the minimum was known, or said that the charge is critical. */
 static bool battery_known(const client *c) {
     return c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_BATTERY)].fresh &&
            c->private_values.battery_low != 0;
