@@ -10,6 +10,7 @@ import pytest
 
 from roburoc4 import Robot, Simulator
 from roburoc4_ros2.commands import Commands, DriveConfig, Sender
+from roburoc4_tools.ros.state import diagnoses
 
 EPOCH_S = 1_790_000_000
 NAV = Sender("aa", "/nav/controller")
@@ -133,6 +134,26 @@ def test_speeds_that_the_robot_cannot_have_are_ignored(topics: Topics) -> None:
     topics.send(topics.stamped(0.0, linear_y=0.5))
     topics.step(0.05)
     assert topics.speeds == (0.0, 0.0)
+
+
+def test_a_speed_beyond_a_ceiling_is_reduced_to_it(
+    roburoc4_simulator: Simulator, robot: Robot
+) -> None:
+    topics = Topics(roburoc4_simulator, robot, max_linear_m_s=0.2, max_angular_rad_s=0.3)
+    topics.step(0.8)
+    for sign in (1.0, -1.0):
+        topics.send(topics.stamped(sign * 0.4, sign * 0.9))
+        topics.step(0.05)
+        assert topics.speeds == (sign * 0.2, sign * 0.3)
+
+
+def test_diagnostics_show_an_override_that_nobody_knows_as_unknown(
+    roburoc4_simulator: Simulator,
+) -> None:
+    with roburoc4_simulator.connect(override_index=63) as robot:
+        robot.sleep(0.5)
+        found = {one.name: one.values for one in diagnoses(robot, "red")}
+    assert found["red: driving"]["overridden"] == "unknown"
 
 
 def test_a_second_publisher_is_refused_and_both_are_named(topics: Topics) -> None:

@@ -45,6 +45,18 @@ check_raises('roburoc4:badArgument', @() r.move(1, 'clearance', -1));
 check_raises('roburoc4:badArgument', @() r.move(1, 'haste', 1));
 check_raises('roburoc4:badArgument', @() r.move());
 check_raises('roburoc4:badArgument', @() r.goTo(1));
+
+% It stands at an obstacle, unless a smaller clearance lets it through.
+delete(r);
+delete(sim);
+sim = roburoc4.Simulator();
+r = sim.connect();
+r.arm();
+check_raises('roburoc4:moveEnded', @() r.move(0.5, 'clearance', 20));
+result = roburoc4_mex('moveResult', r.id);
+check(strcmp(result.outcome, 'obstacle'), '%s', result.outcome);
+result = r.move(0.5, 'clearance', 0.1);
+check(strcmp(result.outcome, 'reached'), '%s', result.outcome);
 delete(r);
 delete(sim);
 end

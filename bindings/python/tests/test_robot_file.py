@@ -32,8 +32,12 @@ def test_the_next_program_drives_the_robot_of_its_file(file: Path) -> None:
 
 
 def test_an_argument_takes_precedence(file: Path) -> None:
-    with Simulator(robot_file=file, iocard_id=12) as sim, sim.connect() as robot:
+    with (
+        Simulator(robot_file=file, iocard_id=12) as sim,
+        sim.connect(iocard_id=12, robot_file=file) as robot,
+    ):
         assert robot.properties.services[2].id == 12
+        robot.arm()
 
 
 @pytest.mark.parametrize(
