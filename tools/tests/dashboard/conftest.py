@@ -18,7 +18,17 @@ from playwright.sync_api import (
     expect,
     sync_playwright,
 )
-from station import CHROMIUM, FAKE_PAD, FIREFOX, PATIENCE_S, REPEATS, Station
+from station import (
+    CHROMIUM,
+    FAKE_PAD,
+    FIREFOX,
+    PATIENCE_S,
+    REPEATS,
+    Station,
+    press_arm,
+    ready,
+    take_control,
+)
 
 expect.set_options(timeout=1000 * PATIENCE_S)
 
@@ -187,3 +197,31 @@ def visit(browser: Browser) -> Iterator[Callable[..., Page]]:
         context.close()
     if complaints:
         pytest.fail("\n".join(complaints), pytrace=False)
+
+
+@pytest.fixture
+def watched(
+    station: Callable[..., Station], visit: Callable[..., Page]
+) -> Callable[..., tuple[Station, Page]]:
+    """Make a dashboard with these settings, and open its page, which shows a ready robot."""
+
+    def open_it(page: dict[str, Any] | None = None, **settings: Any) -> tuple[Station, Page]:
+        here = station(**settings)
+        opened = visit(here.url, **page or {})
+        ready(opened)
+        return here, opened
+
+    return open_it
+
+
+@pytest.fixture
+def armed(watched: Callable[..., tuple[Station, Page]]) -> Callable[..., tuple[Station, Page]]:
+    """The same, and the page has taken control and armed the robot."""
+
+    def arm_it(**settings: Any) -> tuple[Station, Page]:
+        here, page = watched(**settings)
+        take_control(page)
+        press_arm(page)
+        return here, page
+
+    return arm_it

@@ -27,6 +27,10 @@ LEASE_S = 0.5
 WATCHDOG_S = 1.0
 """The robot's own, which has nothing to do here: whoever stops later than this relied on it."""
 PATIENCE_S = 60.0
+MARGIN_S = 0.4
+"""What a loaded machine may take until a page, a thread or a socket gets its turn; lease and
+margin are well below the second after which the robot's own watchdog would have stopped it."""
+WITHIN_S = LEASE_S + MARGIN_S
 
 FAKE_PAD = """
 window.pad = null;
@@ -214,21 +218,6 @@ class Station:
             press_arm(page)
             hold()
 
-    def wait_until_inhibited(self, page: Page) -> None:
-        """Hold forward until the robot is disarmed because it does not follow.
-
-        Where a stall of a loaded machine disarms it before that, release, arm and try again.
-        """
-        hold_pad(page, rt=1.0)
-        until(lambda: not self.robot.facts.armed)
-        end = time.monotonic() + 3 * PATIENCE_S
-        while self.robot.facts.disarm_cause != roburoc4.Result.INHIBITED:
-            assert time.monotonic() < end, "the robot never counted as inhibited"
-            page.evaluate("hold(0, 0)")
-            press_arm(page)
-            hold_pad(page, rt=1.0)
-            until(lambda: not self.robot.facts.armed)
-
     def wait_until_stopped(self, begun_s: float) -> float:
         """Wait for the first zero; return how long after ``begun_s`` it came, without stalls."""
         watch = Stopwatch(begun_s)
@@ -246,6 +235,13 @@ class Station:
     def speeds_sent(self) -> int:
         """How many commands carried a speed so far."""
         return self.sim.state.nonzero_speed_commands
+
+
+def stays_stopped(here: Station) -> None:
+    """Fail if a speed is sent now, without anybody doing anything."""
+    before = here.speeds_sent()
+    time.sleep(2 * LEASE_S)
+    assert here.speeds_sent() == before, "it came back by itself"
 
 
 def ready(page: Page) -> None:
@@ -270,26 +266,6 @@ def arm(page: Page) -> None:
     ready(page)
     take_control(page)
     press_arm(page)
-
-
-def watched(
-    station: Callable[..., Station], visit: Callable[..., Page], **settings: Any
-) -> tuple[Station, Page]:
-    """Make a dashboard with these settings, and open its page, which shows a ready robot."""
-    here = station(**settings)
-    page = visit(here.url)
-    ready(page)
-    return here, page
-
-
-def armed(
-    station: Callable[..., Station], visit: Callable[..., Page], **settings: Any
-) -> tuple[Station, Page]:
-    """Make a dashboard and a page, which takes control and arms."""
-    here, page = watched(station, visit, **settings)
-    take_control(page)
-    press_arm(page)
-    return here, page
 
 
 def press_arm(page: Page) -> None:

@@ -5,6 +5,7 @@ import contextlib
 import json
 import re
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -13,39 +14,23 @@ import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 from page_client import Visitor
-from station import Stopwatch, free_port, until
-from test_driving import MARGIN_S
+from station import MARGIN_S, Stopwatch, free_port, until
 from websockets.exceptions import ConnectionClosed
 
 import roburoc4
-from roburoc4_tools.cli import dashboard
+from roburoc4_tools.cli import app, dashboard
 
-COMMAND = [
-    sys.executable,
-    "-c",
-    "from roburoc4_tools.cli import main; main()",
-    "dashboard",
-    "--no-open",
-]
+MAIN = "from roburoc4_tools.cli import main; main()"
+ARGUMENTS = ["dashboard", "--no-open", "--port", "0"]
 LONG_S = 120.0
 WITHIN_S = 0.25 + MARGIN_S
 """The default lease."""
-
-
 ENDING = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]
-
-
-def start(*arguments: str) -> subprocess.Popen[str]:
-    return subprocess.Popen(
-        [*COMMAND, "--port", "0", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=hear_signals,
-    )
+TOKEN = "0123456789abcdef"
 
 
 def hear_signals() -> None:
@@ -54,14 +39,14 @@ def hear_signals() -> None:
         signal.signal(number, signal.SIG_DFL)
 
 
-def refused(*arguments: str) -> str:
-    done = subprocess.run(
-        [*COMMAND, *arguments], capture_output=True, text=True, timeout=LONG_S, check=False
+def start(*arguments: str, program: str = MAIN) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-c", program, *ARGUMENTS, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=hear_signals,
     )
-    assert done.returncode == 2, done
-    assert done.stderr.startswith("roburoc4: ")
-    assert done.stderr.count("\n") == 1
-    return done.stderr
 
 
 def link_of(running: subprocess.Popen[str]) -> str:
@@ -75,26 +60,12 @@ def port_of(link: str) -> int:
     return int(link.rstrip("/").rpartition(":")[2])
 
 
-@pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["ctrl-c", "sigterm"]
-)
-def test_it_prints_its_link_serves_and_ends_quietly(number: signal.Signals, code: int) -> None:
-    with start("--sim") as running:
-        link = link_of(running)
-        with urllib.request.urlopen(link, timeout=LONG_S) as answer:
-            assert b"roburoc4" in answer.read()
-        running.send_signal(number)
-        _, complaints = running.communicate(timeout=LONG_S)
-    assert running.returncode == code
-    assert complaints == ""
-
-
 @contextmanager
-def driven(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], roburoc4.Simulator]]:
+def driven() -> Iterator[tuple[subprocess.Popen[str], roburoc4.Simulator]]:
     """A dashboard in its own process, and a page that keeps driving the robot."""
     with (
         roburoc4.Simulator(port=0) as sim,
-        start("--robot", sim.address, "--enable-drive", *arguments) as running,
+        start("--robot", sim.address, "--enable-drive") as running,
     ):
         try:
             with Visitor(port=port_of(link_of(running))) as driver:
@@ -123,12 +94,13 @@ def test_ending_it_while_it_drives_stops_the_robot(number: signal.Signals) -> No
         assert watch.seconds() < WITHIN_S
         assert not sim.state.watchdog_tripped
         assert running.wait(LONG_S) == 128 + number
+        assert running.stderr is not None
+        assert "Traceback" not in running.stderr.read()
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])
-def test_the_robot_s_watchdog_stops_it_where_the_program_cannot(number: signal.Signals) -> None:
+def test_a_frozen_one_leaves_the_robot_to_its_watchdog_and_does_not_drive_on() -> None:
     with driven() as (running, sim):
-        running.send_signal(number)
+        running.send_signal(signal.SIGSTOP)
         until(lambda: sim.state.watchdog_tripped)
         before = sim.state.nonzero_speed_commands
         running.send_signal(signal.SIGCONT)
@@ -152,15 +124,132 @@ def test_an_unreachable_robot_is_reported_and_not_armed() -> None:
         running.terminate()
 
 
-def test_without_a_browser_it_says_so(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_its_output_may_be_closed_and_it_ends_quietly() -> None:
+    with start("--sim") as running:
+        assert running.stdout is not None
+        running.stdout.close()
+        assert running.wait(LONG_S) == 0
+        assert running.stderr is not None
+        assert running.stderr.read() == ""
+
+
+def test_without_its_extra_it_says_what_to_install() -> None:
+    for missing in ("starlette", "uvicorn", "websockets"):
+        program = f"import sys; sys.modules['{missing}'] = None; {MAIN}"
+        with start(program=program) as running:
+            _, complaint = running.communicate(timeout=LONG_S)
+        assert running.returncode == 2
+        assert 'pip install ./bindings/python "./tools[dashboard]"' in complaint
+
+
+# ---- in this process, without serving ----
+
+
+@pytest.fixture
+def served(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """The robots that it would have served."""
+    found: list[Any] = []
+
+    def note(*arguments: Any) -> None:
+        for hub in arguments[-1]:
+            until(lambda hub=hub: hub.robot.properties.differential is not None)
+            hub.step()
+        found.extend(arguments[-1])
+
+    monkeypatch.setattr(dashboard, "_serve", note)
+    return found
+
+
+def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[str, str]:
+    assert app.run([*ARGUMENTS, *arguments]) == 0
+    return capsys.readouterr()
+
+
+def test_its_link_has_the_token_and_the_name_that_it_goes_by(
+    served: list[Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("webbrowser.open", lambda _: False)
-    dashboard._open("http://127.0.0.1:1/")
-    assert "open the link yourself" in capsys.readouterr().err
+    link = r"^roburoc4: dashboard at http://localhost:\d+/\?token=[\w-]{32}$"
+    names = ("--name", "localhost", "--name", "lab-pc")
+    assert re.search(link, printed(capsys, "--sim", "--token", *names)[0])
+    text, _ = printed(capsys, "--sim", "--name", "lab-pc:99", "--json")
+    assert json.loads(text) == {"link": "http://lab-pc:99/"}
+    _, warning = printed(capsys, "--sim", "--token", TOKEN)
+    assert "$ROBUROC4_TOKEN" in warning
 
 
-def test_a_key_with_a_password_is_refused_and_not_asked_for(tmp_path: Path) -> None:
+def test_options_for_driving_reach_the_robot(
+    served: list[Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    limits = ("--max-linear", "0.4", "--max-angular", "0.7", "--lease-ms", "150")
+    printed(capsys, "--sim", *limits)
+    hub = served[0]
+    assert not hub.control.offered
+    assert hub.control.limits == ((0.4, 0.4), (0.7, 0.7))
+    assert hub.control._lease_s == 0.15
+
+
+def test_robots_have_names_and_one_may_have_none(
+    served: list[Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with roburoc4.Simulator(port=0) as one, roburoc4.Simulator(port=0) as other:
+        named = ("--robot", f"RED={one.address}", "--robot", f"BLUE={other.address}")
+        _, warning = printed(capsys, *named, "--enable-drive")
+        printed(capsys, "--robot", one.address)
+    assert "keep an emergency stop in your hand" in warning
+    assert [hub.name for hub in served] == ["RED", "BLUE", ""]
+    assert [hub.robot.address for hub in served[:2]] == [one.address, other.address]
+    assert [hub.control.offered for hub in served] == [True, True, False]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (("--sim", "--bind", "0.0.0.0"), "add --token"),
+        (("--token", "short"), "16 or more"),
+        (("--token", "has a blank in its midst"), "16 or more"),
+        (("--bind", "robot.local"), "not an address"),
+        (("--port", "70000"), "0 to 65535"),
+        (("--lease-ms", "50"), "100 to 1000"),
+        (("--max-linear", "nan"), "m/s"),
+        (("--period-ms", "25"), "multiple of 10"),
+        (("--period-ms", "210", "--enable-drive"), "100 or less"),
+        (("--name", "lab-pc/page"), "--name"),
+        (("--tls-cert", "x.pem"), "go together"),
+        (("--tls-cert", "no.pem", "--tls-key", "no.pem"), "PEM"),
+        (("--robot", "192.168.0.3", "--sim"), "omit --robot"),
+        (("--robot", "192.168.0.3", "--robot", "RED=192.168.0.2"), "'192.168.0.3' has no name"),
+        (("--robot", "RED=192.168.0.3", "--robot", "RED=192.168.0.2"), "its own name"),
+        (("--camera", "front=rtsp://192.168.0.20/"), "--camera"),
+        (("--camera", "front=http://192.168.0.20/; script-src *"), "--camera"),
+    ],
+)
+def test_invalid_options_are_reported_with_the_remedy(
+    arguments: tuple[str, ...],
+    text: str,
+    served: list[Any],
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert app.run([*ARGUMENTS, *arguments]) == 2
+    complaint = capsys.readouterr().err
+    assert text in complaint
+    assert complaint.startswith("roburoc4: ")
+    assert complaint.count("\n") == 1
+
+
+def test_a_name_without_an_address_and_a_port_in_use_are_reported(
+    served: list[Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert app.run([*ARGUMENTS, "--robot", "nosuch.invalid"]) == 3
+    assert capsys.readouterr().err.startswith("roburoc4: --robot: ")
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = str(taken.getsockname()[1])
+        assert app.run([*ARGUMENTS, "--sim", "--port", port]) == 2
+    assert "choose another port" in capsys.readouterr().err
+
+
+def test_a_key_with_a_password_is_refused_and_not_asked_for(
+    tmp_path: Path, served: list[Any], capsys: pytest.CaptureFixture[str]
+) -> None:
     certificate, key = str(tmp_path / "cert.pem"), str(tmp_path / "key.pem")
     subprocess.run(
         [
@@ -171,163 +260,36 @@ def test_a_key_with_a_password_is_refused_and_not_asked_for(tmp_path: Path) -> N
         check=True,
         capture_output=True,
     )
-    assert "without a password" in refused("--sim", "--tls-cert", certificate, "--tls-key", key)
-
-
-def test_its_output_may_be_closed_and_it_ends_quietly() -> None:
-    with start("--sim") as running:
-        assert running.stdout is not None
-        running.stdout.close()
-        assert running.wait(LONG_S) == 0
-        assert running.stderr is not None
-        assert running.stderr.read() == ""
+    assert app.run([*ARGUMENTS, "--sim", "--tls-cert", certificate, "--tls-key", key]) == 2
+    assert "without a password" in capsys.readouterr().err
 
 
 def test_the_token_is_not_on_the_browsers_command_line() -> None:
-    link = "http://127.0.0.1:1/?token=0123456789abcdef"
+    link = f"http://127.0.0.1:1/?token={TOKEN}"
     with dashboard._private(link) as opened:
-        assert "0123456789abcdef" not in opened
+        assert TOKEN not in opened
         path = Path(urllib.request.url2pathname(opened.removeprefix("file://")))
         assert link in path.read_text(encoding="utf-8")
         assert path.stat().st_mode & 0o077 == 0
         assert path.parent.stat().st_mode & 0o077 == 0
     assert not path.parent.exists()
-    with dashboard._private("http://127.0.0.1:1/") as opened:
-        assert opened == "http://127.0.0.1:1/", "there is nothing to hide"
 
 
-def test_a_token_on_the_command_line_gives_a_warning() -> None:
-    with start("--sim", "--token", "0123456789abcdef") as running:
-        link_of(running)
-        running.terminate()
-        _, complaints = running.communicate(timeout=LONG_S)
-    assert "$ROBUROC4_TOKEN" in complaints
-
-
-def test_its_link_has_the_name_that_it_goes_by() -> None:
-    with start("--sim", "--name", "localhost", "--name", "lab-pc") as running:
-        link = link_of(running)
-        assert link.startswith("http://localhost:")
-        with urllib.request.urlopen(link, timeout=LONG_S) as answer:
-            assert answer.status == 200
-        running.terminate()
-    with start("--sim", "--name", "lab-pc:99") as running:
-        assert link_of(running) == "http://lab-pc:99/"
-        running.terminate()
-
-
-def test_a_token_is_made_and_printed_as_a_link() -> None:
-    with start("--sim", "--bind", "127.0.0.1", "--token") as running:
-        link = link_of(running)
-        assert re.search(r"\?token=[\w-]{32}$", link)
-        with urllib.request.urlopen(link, timeout=LONG_S) as answer:
-            assert answer.status == 200
-        running.terminate()
-
-
-def test_its_link_is_json_where_json_is_asked_for() -> None:
-    with start("--sim", "--json") as running:
-        assert running.stdout is not None
-        assert json.loads(running.stdout.readline())["link"].startswith("http://127.0.0.1:")
-        running.terminate()
-
-
-def test_other_than_loopback_needs_a_token() -> None:
-    assert "add --token" in refused("--sim", "--bind", "0.0.0.0")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "text"),
-    [
-        (("--token", "short"), "16 or more"),
-        (("--token", "has a blank in its midst"), "16 or more"),
-        (("--bind", "robot.local"), "not an address"),
-        (("--port", "70000"), "0 to 65535"),
-        (("--port", "-1"), "0 to 65535"),
-        (("--lease-ms", "50"), "100 to 1000"),
-        (("--max-linear", "nan"), "m/s"),
-        (("--period-ms", "25"), "multiple of 10"),
-        (("--period-ms", "210", "--enable-drive"), "100 or less"),
-        (("--name", "http://p"), "--name"),
-        (("--name", "lab-pc/page"), "--name"),
-        (("--name", "lab-pc:x"), "--name"),
-        (("--name", ""), "--name"),
-        (("--tls-cert", "x.pem"), "go together"),
-        (("--tls-cert", "no.pem", "--tls-key", "no.pem"), "PEM"),
-        (("--robot", "192.168.0.3", "--sim"), "omit --robot"),
-        (("--robot", "192.168.0.3", "--robot", "RED=192.168.0.2"), "'192.168.0.3' has no name"),
-        (("--robot", "RED=192.168.0.3", "--robot", "RED=192.168.0.2"), "its own name"),
-        (("--robot", "a b=192.168.0.3"), "has no name"),
-        (("--camera", "front"), "--camera"),
-        (("--camera", "front=rtsp://192.168.0.20/"), "--camera"),
-        (("--camera", "front=http://192.168.0.20/; script-src *"), "--camera"),
-    ],
-)
-def test_invalid_options_are_reported_with_the_remedy(
-    arguments: tuple[str, ...], text: str
+def test_without_a_browser_it_says_so(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert text in refused(*arguments)
+    monkeypatch.setattr("webbrowser.open", lambda _: False)
+    dashboard._open("http://127.0.0.1:1/")
+    assert "open the link yourself" in capsys.readouterr().err
 
 
-def test_robots_have_names_and_one_may_have_none() -> None:
-    with (
-        roburoc4.Simulator(port=0) as one,
-        roburoc4.Simulator(port=0) as other,
-        start(
-            "--robot", f"RED={one.address}", "--robot", f"BLUE={other.address}", "--no-open"
-        ) as running,
-    ):
-        with Visitor(port=port_of(link_of(running)), path="/socket?robot=BLUE") as page:
-            assert page.receive()["address"] == other.address
-            page.draw()
-            assert [robot["name"] for robot in page.frame["fleet"]] == ["RED", "BLUE"]
-        running.terminate()
-
-
-def test_a_name_without_an_address_ends_it_as_elsewhere() -> None:
-    done = subprocess.run(
-        [*COMMAND, "--robot", "nosuch.invalid"],
-        capture_output=True,
-        text=True,
-        timeout=LONG_S,
-        check=False,
-    )
-    assert done.returncode == 3
-    assert done.stderr.startswith("roburoc4: --robot: ")
-    assert done.stderr.count("\n") == 1
-
-
-@pytest.mark.parametrize("missing", ["starlette", "uvicorn", "websockets"])
-def test_without_its_extra_it_says_what_to_install(missing: str) -> None:
-    without = (
-        f"import sys; sys.modules['{missing}'] = None; from roburoc4_tools.cli import main; main()"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", without, "dashboard", "--no-open"],
-        capture_output=True,
-        text=True,
-        timeout=LONG_S,
-        check=False,
-    )
-    assert done.returncode == 2
-    assert 'pip install ./bindings/python "./tools[dashboard]"' in done.stderr
-
-
-def test_a_port_in_use_is_reported() -> None:
-    with start("--sim") as running:
-        port = port_of(link_of(running))
-        assert "choose another port" in refused("--sim", "--port", str(port))
-        running.terminate()
-
-
-def test_the_package_has_the_page_and_its_parts_licences() -> None:
-    import roburoc4_tools.dashboard
-
-    static = Path(roburoc4_tools.dashboard.__file__).parent / "static"
+def test_the_page_is_small_and_loads_nothing_from_other_hosts() -> None:
+    static = Path(dashboard.__file__).parents[1] / "dashboard/static"
     assert "MIT License" in (static / "vendor/uplot/LICENSE").read_text()
-    assert json.loads((static / "vendor/uplot/version.json").read_text())["license"] == "MIT"
-    for path in static.rglob("*.*"):
-        if path.suffix in (".html", ".css", ".js") and "vendor" not in path.parts:
+    loaded = [path for path in static.rglob("*.*") if path.suffix in (".html", ".js", ".css")]
+    assert len(loaded) > 20
+    assert sum(path.stat().st_size for path in loaded) <= 200_000
+    for path in loaded:
+        if "vendor" not in path.parts:
             text = path.read_text(encoding="utf-8")
-            assert "SPDX-License-Identifier: MIT" in text, path
             assert not re.search(r"""(src|href|url|import)\W{1,3}(https?:)?//""", text), path

@@ -1,71 +1,53 @@
 # SPDX-License-Identifier: MIT
 """Driving from the page: what moves the robot, and everything that stops it."""
 
-import contextlib
-import re
 import time
 from collections.abc import Callable
 
 import pytest
-from page_client import Visitor
 from playwright.sync_api import Page, expect
 from station import (
+    LB,
     LEASE_S,
+    MARGIN_S,
     NAME,
+    RB,
+    WITHIN_S,
+    B,
+    Finger,
     Station,
     arm,
     drive,
     hold_pad,
     open_tab,
+    press_arm,
     ready,
+    stays_stopped,
     take_control,
     until,
 )
 
-from roburoc4_tools.dashboard.guard import Rules
-from roburoc4_tools.dashboard.hub import MOST_PAGES
 from roburoc4_tools.dashboard.server import Place
-
-MARGIN_S = 0.4
-"""What a loaded machine may take until a page, a thread or a socket gets its turn; lease and
-margin are well below the second after which the robot's own watchdog would have stopped it."""
-WITHIN_S = LEASE_S + MARGIN_S
-FIRST_S = 0.7
-"""What a key has until its first repeat."""
 
 Visit = Callable[..., Page]
 Make = Callable[..., Station]
+Opened = Callable[..., tuple[Station, Page]]
+FIRST_S = 0.7
+"""What a key has until its first repeat."""
+PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 
 
-def call(page: Page, name: str) -> None:
-    """Give a page a name, as its user does."""
-    ready(page)
-    page.bring_to_front()  # Firefox gives keys to the front page only
-    open_tab(page, "link")
-    page.get_by_label("This page is called").click()
-    page.keyboard.type(name)  # fill() leaves it empty in Firefox
-    page.keyboard.press("Tab")
-
-
-def armed(station: Make, visit: Visit) -> tuple[Station, Page]:
-    """A dashboard, and a page that has taken its control and armed the robot."""
-    here = station()
-    page = visit(here.url)
-    arm(page)
-    return here, page
+# ---- what moves it ----
 
 
 @pytest.mark.both
-def test_a_game_pad_drives_as_in_the_manual(station: Make, visit: Visit) -> None:
-    here = station(lease_s=1.0)
-    page = visit(here.url)
-    arm(page)
-    scale = 0.3
+def test_a_game_pad_drives_as_in_the_manual(armed: Opened) -> None:
+    here, page = armed(lease_s=1.0)
     for held, linear, angular in (
-        ({"rt": 1.0}, scale, 0.0),
-        ({"lt": 1.0}, -scale, 0.0),
-        ({"lj": -1.0}, 0.0, scale),
-        ({"lj": 1.0}, 0.0, -scale),
+        ({"rt": 1.0}, 0.3, 0.0),
+        ({"lt": 1.0}, -0.3, 0.0),
+        ({"lj": -1.0}, 0.0, 0.3),
+        ({"lj": 1.0}, 0.0, -0.3),
     ):
         drive(here, page, **held)
         until(
@@ -77,119 +59,45 @@ def test_a_game_pad_drives_as_in_the_manual(station: Make, visit: Visit) -> None
     expect(page.locator("#asked")).to_contain_text("by game pad")
 
 
-@pytest.mark.both
-def test_keys_drive_and_letting_go_stops(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
-
-    def hold() -> None:
-        page.keyboard.down("w")
-        page.keyboard.down("ArrowLeft")
-
-    def let_go() -> None:
-        page.keyboard.up("w")
-        page.keyboard.up("ArrowLeft")
-
-    here.wait_until_driven(page, hold, let_go)
-    assert here.sim.state.last_linear_m_s > 0
-    assert here.sim.state.last_angular_rad_s > 0
-    expect(page.locator("#banner-title")).to_have_text("DRIVING")
-    page.keyboard.up("ArrowLeft")
-    until(lambda: here.sim.state.last_angular_rad_s == 0)
-    page.keyboard.up("w")
-    begun_s = time.monotonic()
-    assert here.wait_until_stopped(begun_s) < WITHIN_S
-
-
-def drive_by_keys(here: Station, page: Page) -> None:
-    here.wait_until_driven(page, lambda: page.keyboard.down("w"), lambda: page.keyboard.up("w"))
-
-
-def stays_stopped(here: Station) -> None:
-    before = here.speeds_sent()
-    time.sleep(2 * LEASE_S)
-    assert here.speeds_sent() == before, "it came back by itself"
-
-
-@pytest.mark.both
-def test_a_key_that_stops_repeating_counts_as_released(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
-    drive_by_keys(here, page)
-    page.evaluate("repeats = false")  # its release was lost
-    begun_s = time.monotonic()
-    assert here.wait_until_stopped(begun_s) < WITHIN_S
-    expect(page.locator("#drive-why")).to_contain_text("the key stopped repeating")
-    page.evaluate("repeats = true")
-    stays_stopped(here)
-    page.keyboard.up("w")
-    drive_by_keys(here, page)
-
-
-def test_a_key_that_never_repeats_counts_for_a_moment_only(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
-    page.evaluate("repeats = false")
-    page.keyboard.down("w")
-    begun_s = time.monotonic()
-    until(lambda: here.speeds_sent() > 0)
-    assert here.wait_until_stopped(begun_s) < FIRST_S + MARGIN_S
-    stays_stopped(here)
-
-
-def test_other_keys_hold_for_a_moment_after_a_release(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
-
-    def hold() -> None:
-        page.keyboard.down("w")
-        page.keyboard.down("a")
-
-    def let_go() -> None:
-        page.keyboard.up("w")
-        page.keyboard.up("a")
-
-    here.wait_until_driven(page, hold, let_go)
-    assert here.sim.state.last_linear_m_s > 0, "the first key no longer counts"
-    page.keyboard.up("a")
-    begun_s = time.monotonic()
-    until(lambda: here.sim.state.last_angular_rad_s == 0)
-    assert here.sim.state.last_linear_m_s > 0
-    assert here.wait_until_stopped(begun_s) < FIRST_S + MARGIN_S
-    stays_stopped(here)
-
-
-def right_click(page: Page) -> None:
-    page.evaluate("addEventListener('contextmenu', (event) => { window.menu = event })")
-    page.locator("#map").click(button="right")
-    assert page.evaluate("menu.defaultPrevented"), "a menu would hear the key's release"
-
-
-def drag_a_text(page: Page) -> None:
-    assert not page.evaluate(
-        "document.body.dispatchEvent("
-        "new DragEvent('dragstart', { bubbles: true, cancelable: true }))"
-    ), "what is dragged would hear the key's release"
-
-
-def press_command(page: Page) -> None:
-    page.evaluate(
-        "dispatchEvent(new KeyboardEvent('keydown', { code: 'MetaLeft', metaKey: true }))"
+def drive_by_keys(here: Station, page: Page, *keys: str) -> None:
+    here.wait_until_driven(
+        page,
+        lambda: [page.keyboard.down(key) for key in keys],
+        lambda: [page.keyboard.up(key) for key in keys],
     )
 
 
 @pytest.mark.both
-@pytest.mark.parametrize("lose", [right_click, drag_a_text, press_command])
-def test_what_may_hide_a_key_s_release_counts_as_its_release(
-    lose: Callable[[Page], None], station: Make, visit: Visit
-) -> None:
-    here, page = armed(station, visit)
-    drive_by_keys(here, page)
-    lose(page)
-    begun_s = time.monotonic()
-    assert here.wait_until_stopped(begun_s) < WITHIN_S
+def test_keys_drive_while_they_repeat_and_letting_go_stops(armed: Opened) -> None:
+    here, page = armed()
+    drive_by_keys(here, page, "w", "ArrowLeft")
+    assert here.sim.state.last_linear_m_s > 0
+    assert here.sim.state.last_angular_rad_s > 0
+    expect(page.locator("#banner-title")).to_have_text("DRIVING")
+    expect(page.locator("kbd", has_text="W")).to_have_attribute("data-held", "true")
+    page.keyboard.up("ArrowLeft")
+    until(lambda: here.sim.state.last_angular_rad_s == 0)
+    page.keyboard.up("w")
+    assert here.wait_until_stopped(time.monotonic()) < WITHIN_S
+    drive_by_keys(here, page, "w")
+    page.evaluate("repeats = false")  # its release was lost
+    assert here.wait_until_stopped(time.monotonic()) < WITHIN_S
+    expect(page.locator("#drive-why")).to_contain_text("the key stopped repeating")
+    page.evaluate("repeats = true")
     stays_stopped(here)
+    page.keyboard.up("w")
+    press_arm(page)
+    page.evaluate("repeats = false")
+    before = here.speeds_sent()
+    page.keyboard.down("w")
+    begun_s = time.monotonic()
+    until(lambda: here.speeds_sent() > before)
+    assert here.wait_until_stopped(begun_s) < FIRST_S + MARGIN_S
 
 
 @pytest.mark.both
-def test_the_stick_drives_and_letting_go_stops(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
+def test_the_stick_drives_and_letting_go_stops(armed: Opened) -> None:
+    here, page = armed()
     box = page.locator("#stick").bounding_box()
     assert box is not None
     middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
@@ -202,19 +110,67 @@ def test_the_stick_drives_and_letting_go_stops(station: Make, visit: Visit) -> N
     here.wait_until_driven(page, hold, page.mouse.up)
     assert here.sim.state.last_linear_m_s == pytest.approx(0.3, abs=0.06)
     page.mouse.up()
-    begun_s = time.monotonic()
-    assert here.wait_until_stopped(begun_s) < WITHIN_S
+    assert here.wait_until_stopped(time.monotonic()) < WITHIN_S
 
 
-# ---- everything that stops it ----
+def test_the_pad_stops_and_changes_the_speed(armed: Opened) -> None:
+    here, page = armed()
+    page.evaluate("makePad()")
+    expect(page.locator("#pad-text")).to_contain_text("[B] STOP")
+    for button, value in ((RB, "35"), (RB, "40"), (LB, "35")):
+        page.evaluate(f"hold({button}, 1)")
+        expect(page.locator("#scale")).to_have_value(value)
+        page.evaluate(f"hold({button}, 0)")
+        page.wait_for_timeout(300)
+    drive(here, page)
+    page.evaluate(f"hold({B}, 1)")
+    here.wait_for_stop_pressed()
 
 
-def release_a(page: Page) -> None:
-    page.evaluate("hold(0, 0)")
+def test_a_finger_drives_from_where_it_touched_and_a_second_one_stops(armed: Opened) -> None:
+    here, page = armed(page=PHONE)
+    finger = Finger(page)
+
+    def middle(name: str) -> tuple[float, float]:
+        box = page.locator(name).bounding_box()
+        assert box is not None
+        return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    x, y = middle("#stick")
+
+    def hold() -> None:
+        finger.down(x, y)
+        finger.move(x, y - 30)
+
+    finger.down(x + 40, y - 40)
+    page.wait_for_timeout(1000 * LEASE_S)
+    assert here.speeds_sent() == 0, "a touch is no deflection"
+    finger.up()
+    here.wait_until_driven(page, hold, finger.up)
+    state = here.sim.state
+    assert state.last_angular_rad_s == 0
+    page.evaluate("document.getElementById('stick').style.transform = 'translateY(60px)'")
+    finger.move(x + 1, y - 30)  # a finger is never quite still
+    page.wait_for_timeout(1000 * LEASE_S)
+    assert here.sim.state.last_linear_m_s == pytest.approx(state.last_linear_m_s, abs=1e-6)
+    page.evaluate("document.getElementById('stick').style.transform = ''")
+    page.set_viewport_size({"width": 844, "height": 390})
+    until(lambda: not here.driven)  # another size releases the stick
+    stays_stopped(here)
+    finger.up()
+    page.set_viewport_size({"width": 390, "height": 844})
+    here.wait_until_driven(page, hold, finger.up)
+    finger.press_beside(*middle("#stop"))
+    here.wait_for_stop_pressed()
 
 
-def unplug(page: Page) -> None:
-    page.evaluate("window.pad = null")
+# ---- what stops it ----
+
+
+def hang(page: Page) -> None:
+    page.evaluate(
+        "setTimeout(() => { const end = Date.now() + 1500; while (Date.now() < end); }, 0)"
+    )
 
 
 def freeze(page: Page) -> None:
@@ -223,60 +179,57 @@ def freeze(page: Page) -> None:
     debugger.send("Debugger.pause")
 
 
-def hang(page: Page, seconds: float = 3.0) -> None:
-    page.evaluate(
-        "(ms) => setTimeout(() => { const end = Date.now() + ms; while (Date.now() < end); }, 0)",
-        1000 * seconds,
-    )
+def press_enter_on_stop(page: Page) -> None:
+    page.locator("#stop").focus()
+    page.keyboard.press("Enter")
 
 
-def blur(page: Page) -> None:
-    page.evaluate("dispatchEvent(new Event('blur')); document.hasFocus = () => false")
-
-
-def close(page: Page) -> None:
-    page.close()
-
-
-def press_stop(page: Page) -> None:
-    page.locator("#stop").click()
-
-
-def press_space(page: Page) -> None:
-    page.keyboard.press("Space")
-
-
-def give_up(page: Page) -> None:
-    page.get_by_role("button", name="Give back").click()
-
-
-def disarm(page: Page) -> None:
-    page.get_by_role("button", name="Disarm", exact=True).click()
+ENDS: dict[str, Callable[[Page], object]] = {
+    "[A] is released": lambda page: page.evaluate("hold(0, 0)"),
+    "the pad is unplugged": lambda page: page.evaluate("window.pad = null; 0"),
+    "there is another pad": lambda page: page.evaluate("makePad(1); hold(0, 1); hold(7, 1)"),
+    "the window is left": lambda page: page.evaluate(
+        "document.hasFocus = () => false; dispatchEvent(new Event('blur'))"
+    ),
+    "the page hangs": hang,
+    "STOP is clicked": lambda page: page.locator("#stop").click(),
+    "STOP is pressed by key": press_enter_on_stop,
+    "space is pressed": lambda page: page.keyboard.press("Space"),
+    "Disarm": lambda page: page.get_by_role("button", name="Disarm", exact=True).click(),
+    "Give back": lambda page: page.get_by_role("button", name="Give back").click(),
+}
 
 
 @pytest.mark.both
-@pytest.mark.parametrize("end", [release_a, unplug, blur, hang, close, press_stop, press_space])
-def test_it_stops_within_the_lease(
-    end: Callable[[Page], None], station: Make, visit: Visit
-) -> None:
-    ends_driving(end, station, visit)
-
-
-@pytest.mark.parametrize("end", [freeze, give_up, disarm])
-def test_a_frozen_page_and_a_button_stop_within_the_lease(
-    end: Callable[[Page], None], station: Make, visit: Visit
-) -> None:
-    ends_driving(end, station, visit)
-
-
-def ends_driving(end: Callable[[Page], None], station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
+def test_everything_that_ends_driving_stops_within_the_lease(armed: Opened) -> None:
+    here, page = armed()
+    for what, end in ENDS.items():
+        if page.locator("#take").is_visible():
+            take_control(page)
+        press_arm(page)
+        drive(here, page)
+        end(page)
+        assert here.wait_until_stopped(time.monotonic()) < WITHIN_S, what
+        page.evaluate("document.hasFocus = () => true; dispatchEvent(new Event('focus'))")
+        stays_stopped(here)  # with whatever is still held
+        page.evaluate("window.pad = null; 0")
+        page.wait_for_timeout(200)
+    events = page.locator("#events li", has_text="STOP was pressed")
+    assert events.count() == 3, "one press of STOP is one"
+    take_control(page)
+    press_arm(page)
     drive(here, page)
-    end(page)
-    begun_s = time.monotonic()
-    assert here.wait_until_stopped(begun_s) < WITHIN_S
-    time.sleep(2 * LEASE_S)
-    assert not here.driven, "it came back by itself"
+    page.close()
+    assert here.wait_until_stopped(time.monotonic()) < WITHIN_S
+    until(lambda: here.hub.control.driver is None)
+    assert not here.robot.facts.armed
+
+
+def test_a_frozen_page_stops_within_the_lease(armed: Opened) -> None:
+    here, page = armed()
+    drive(here, page)
+    freeze(page)
+    assert here.wait_until_stopped(time.monotonic()) < WITHIN_S
 
 
 @pytest.mark.both
@@ -297,278 +250,184 @@ def test_a_tab_that_is_really_hidden_stops_and_disarms(
     stays_stopped(here)
 
 
-def test_a_page_that_hung_does_not_drive_on_with_a_held_button(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
+HIDES = {
+    "a menu": """(() => {
+        const menu = new MouseEvent("contextmenu", { bubbles: true, cancelable: true });
+        return !document.getElementById("map").dispatchEvent(menu);
+    })()""",
+    "a drag": """!document.body.dispatchEvent(
+        new DragEvent("dragstart", { bubbles: true, cancelable: true }))""",
+    "Command": """dispatchEvent(
+        new KeyboardEvent("keydown", { code: "MetaLeft", metaKey: true }))""",
+}
+
+
+def test_what_may_hide_a_key_s_release_counts_as_its_release(armed: Opened) -> None:
+    here, page = armed()
+    held = "for (let n = 0; n < 20; n++) dispatchEvent(new KeyboardEvent('keydown', {0}))"
+    page.evaluate(held.replace("{0}", "{ code: 'KeyW', repeat: true }"))
+    stays_stopped(here)  # as that key was pressed elsewhere
+    for what, happens in HIDES.items():
+        drive_by_keys(here, page, "w")
+        assert page.evaluate(happens), f"{what} would hear the key's release"
+        assert here.wait_until_stopped(time.monotonic()) < WITHIN_S, what
+        stays_stopped(here)
+        page.keyboard.up("w")
+
+
+def test_nothing_moves_it_before_it_is_armed_and_everything_was_released(watched: Opened) -> None:
+    here, page = watched()
+    page.keyboard.down("w")
+    take_control(page)
+    hold_pad(page, rt=1.0, lj=-1.0)
+    expect(page.locator("#asked")).to_have_text("game pad: not sent")
+    page.get_by_role("button", name="Arm", exact=True).click()
+    until(lambda: here.robot.facts.armed)
+    time.sleep(LEASE_S)
+    page.keyboard.up("w")
+    hold_pad(page, a=0.0, rt=1.0, lj=1.0)
+    time.sleep(LEASE_S)
+    assert here.speeds_sent() == 0
     drive(here, page)
-    hang(page, 1.5)
-    until(lambda: not here.driven)
-    before = here.speeds_sent()
-    page.evaluate("0")  # answered once it no longer hangs
+
+
+def test_keys_that_are_typed_do_not_drive(armed: Opened) -> None:
+    here, page = armed()
+    open_tab(page, "events")
+    page.locator("#events-text").focus()
+    page.keyboard.down("w")
     stays_stopped(here)
-    assert here.speeds_sent() == before
+    expect(page.locator("#events-text")).to_have_value("w")
 
 
-@pytest.mark.both
-def test_one_press_of_stop_is_one(station: Make, visit: Visit) -> None:
-    _, page = armed(station, visit)
-    stops = page.locator("#events li", has_text="STOP was pressed")
-    page.locator("#stop").click()
-    expect(stops).to_have_count(1)
-    page.locator("#stop").focus()
-    page.keyboard.press("Enter")
-    expect(stops).to_have_count(2)
-    time.sleep(0.5)
-    assert stops.count() == 2
+@pytest.mark.parametrize("field", ["#events-text", "#events-level", "#scale"])
+def test_space_stops_from_every_field(field: str, armed: Opened) -> None:
+    here, page = armed()
+    open_tab(page, "events")
+    page.locator(field).focus()
+    page.keyboard.press("Space")
+    here.wait_for_stop_pressed()
+    here.sim.set("pad_a", True)
+    until(lambda: here.robot.facts.overridden)
+    here.sim.set("pad_rt", 0.0)
+    expect(page.locator("#banner-text")).to_contain_text("The robot moves")
+    stops = here.sim.state.speed_commands
+    page.keyboard.press("Space")  # what is driven by another one is stopped, too
+    until(lambda: here.sim.state.speed_commands > stops)
 
 
-@pytest.mark.both
-def test_a_stop_without_connection_is_shown_and_sent_later(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
+def test_a_field_takes_spaces_while_nothing_can_move(watched: Opened) -> None:
+    _, page = watched()
+    open_tab(page, "events")
+    page.locator("#events-text").focus()
+    page.keyboard.type("a b")
+    expect(page.locator("#events-text")).to_have_value("a b")
+    expect(page.locator("#events")).not_to_contain_text("STOP was pressed")
+
+
+def test_a_stop_without_connection_is_shown_and_sent_later_and_nothing_moves(
+    armed: Opened, station: Make
+) -> None:
+    here, page = armed()
+    drive(here, page)
+    page.locator("#map-relocalize").click()
     here.stop_serving()
     expect(page.locator("#banner-title")).to_have_text("NO CONNECTION TO THE DASHBOARD")
+    expect(page.locator("#mode")).to_have_text("UNKNOWN")
+    expect(page.locator("#control")).to_have_text("Control: not known")
+    expect(page.locator("#drive-why")).to_contain_text("Nothing can be driven from here")
+    expect(page.locator("#knob")).not_to_have_attribute("style", "translate")
+    for name in ("#relocalize", "#map-relocalize"):
+        expect(page.locator(name)).to_be_hidden()
+    for name in ("#arm", "#record"):
+        expect(page.locator(name)).to_be_disabled()
     page.locator("#stop").click()
     expect(page.locator("#banner-title")).to_have_text("STOP NOT CONFIRMED")
-    station(place=Place(port=here.port))
+    again = station(place=Place(port=here.port))
     expect(page.locator("#banner-title")).to_have_text("DISARMED")
     expect(page.locator("#events li", has_text="STOP was pressed")).to_have_count(1)
-
-
-def test_disarmed_is_shown_on_every_page(station: Make, visit: Visit) -> None:
-    here = station()
-    first, second = visit(here.url), visit(here.url)
-    ready(second)
-    expect(second.locator("#banner-title")).to_have_text("DISARMED")
-    expect(second.locator("#banner")).to_have_attribute("data-level", "calm")
-    arm(first)
-    expect(second.locator("#banner-title")).to_have_text("ARMED")
-
-
-def test_a_closed_page_disarms_and_releases_control(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
-    page.close()
-    until(lambda: not here.robot.facts.armed)
-    other = visit(here.url)
-    expect(other.locator("#control")).to_have_text("Control: nobody")
-
-
-def test_the_dashboard_s_end_stops_the_robot(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
-    drive(here, page)
-    here.stop_serving()
-    assert here.wait_until_stopped(time.monotonic()) < WITHIN_S
-    expect(page.locator("#banner-title")).to_have_text("NO CONNECTION TO THE DASHBOARD")
-
-
-def test_a_server_that_hangs_stops_the_robot_within_the_lease(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
-    drive(here, page)
-    step = here.hub.step
-    begun_s = time.monotonic()
-
-    def hang() -> None:
-        here.hub.step = step
-        time.sleep(1.5)
-
-    here.hub.step = hang
-    assert here.wait_until_stopped(begun_s) < WITHIN_S
-    time.sleep(1.5)
-    assert not here.driven, "it drove on with a button that was held all the time"
-
-
-def test_an_error_in_the_server_stops_the_robot_and_ends_it(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
-    drive(here, page)
-    begun_s = time.monotonic()
-
-    def fail() -> None:
-        raise RuntimeError("of this test")
-
-    here.hub.step = fail
-    assert here.wait_until_stopped(begun_s) < WITHIN_S
-    until(lambda: not here.robot.facts.armed)
-    here.wait_for_end()
-    assert str(here.hub.failure) == "of this test"
-
-
-@pytest.mark.both
-def test_a_page_comes_back_to_a_new_dashboard_and_moves_nothing(
-    station: Make, visit: Visit
-) -> None:
-    here, page = armed(station, visit)
-    drive(here, page)
-    here.stop_serving()
-    again = station(place=Place(port=here.port))
-    ready(page)
-    expect(page.locator("#control")).to_have_text("Control: nobody")
     expect(page.locator("#address")).to_have_text(again.sim.address)
-    time.sleep(2 * LEASE_S)
+    expect(page.locator("#control")).to_have_text("Control: nobody")
     assert again.speeds_sent() == 0
     assert not again.robot.facts.armed
 
 
-def test_a_page_without_the_new_token_says_what_to_do(station: Make, visit: Visit) -> None:
-    here = station(rules=Rules("the-token-of-before"))
-    page = visit(f"{here.url}?token=the-token-of-before", forgive="403")
-    ready(page)
-    here.stop_serving()
-    station(place=Place(port=here.port), rules=Rules("the-token-of-now"))
-    expect(page.locator("#banner-text")).to_contain_text("open the link that the dashboard printed")
+# ---- who drives ----
 
 
-def test_a_page_that_is_one_too_many_says_so(station: Make, visit: Visit) -> None:
-    here = station()
-    with contextlib.ExitStack() as opened:
-        for _ in range(MOST_PAGES):
-            opened.enter_context(Visitor(here)).receive()
-        page = visit(here.url)
-        expect(page.locator("#banner-text")).to_contain_text("oo many pages are open")
-    ready(page)
-
-
-# ---- what does not move it ----
-
-
-def let_go(page: Page) -> None:
-    page.evaluate("hold(0, 0)")
-    expect(page.locator("#pad-text")).to_contain_text("hold [A]")
-
-
-@pytest.mark.both
-def test_what_was_held_when_the_page_was_left_must_be_let_go(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
-    drive(here, page)
-    page.evaluate("document.hasFocus = () => false; dispatchEvent(new Event('blur'))")
-    until(lambda: not here.driven)
-    before = here.speeds_sent()
-    page.evaluate("document.hasFocus = () => true; dispatchEvent(new Event('focus'))")
-    expect(page.locator("#pad-text")).to_contain_text("let [A] go once")
-    time.sleep(2 * LEASE_S)
-    assert here.speeds_sent() == before
-    let_go(page)
-    drive(here, page)
-
-
-def test_another_pad_must_be_let_go_first(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
-    drive(here, page)
-    page.evaluate("makePad(1); hold(0, 1); hold(7, 1)")
-    until(lambda: not here.driven)
-    before = here.speeds_sent()
-    time.sleep(2 * LEASE_S)
-    assert here.speeds_sent() == before
-    let_go(page)
-    drive(here, page)
-
-
-def test_a_key_that_was_held_elsewhere_does_nothing(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
-    page.evaluate(
-        "for (let count = 0; count < 20; count++)"
-        " dispatchEvent(new KeyboardEvent('keydown', { code: 'KeyW', repeat: true }))"
-    )
-    time.sleep(2 * LEASE_S)
-    assert here.speeds_sent() == 0
-
-
-def test_nothing_moves_it_before_arming(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
-    hold_pad(page, rt=1.0, lj=-1.0)
-    page.keyboard.down("w")
-    time.sleep(2 * LEASE_S)
-    take_control(page)
-    time.sleep(2 * LEASE_S)
-    assert here.speeds_sent() == 0
-
-
-def test_inputs_must_be_released_once_after_arming(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
-    take_control(page)
-    hold_pad(page, rt=1.0)
-    page.get_by_role("button", name="Arm", exact=True).click()
-    until(lambda: here.robot.facts.armed)
-    time.sleep(2 * LEASE_S)
-    assert here.speeds_sent() == 0
-    let_go(page)
-    drive(here, page)
-
-
-def test_the_pad_does_nothing_without_a(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
-    hold_pad(page, a=0.0, rt=1.0, lj=1.0)
-    time.sleep(2 * LEASE_S)
-    assert here.speeds_sent() == 0
-
-
-def test_the_page_says_where_a_browser_withholds_the_pad(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    ready(page)
-    # As on a page that came by plain HTTP from another machine.
-    page.evaluate("Object.defineProperty(window, 'isSecureContext', { get: () => false })")
-    take_control(page)
-    expect(page.locator("#pad-text")).to_contain_text("Start with --tls-cert and --tls-key")
-
-
-@pytest.mark.both
-def test_a_second_page_drives_with_consent_only(station: Make, visit: Visit) -> None:
+def test_a_second_page_drives_with_consent_only_and_every_page_can_stop(
+    station: Make, visit: Visit
+) -> None:
     here = station()
     first, second = visit(here.url), visit(here.url)
-    call(first, "lab phone")
-    call(second, "desk")
+    ready(first)
+    ready(second)
+    open_tab(first, "link")
+    first.get_by_label("This page is called").fill("lab phone")
+    first.keyboard.press("Tab")
     arm(first)
     expect(second.locator("#control")).to_have_text("Control: lab phone")
+    expect(second.locator("#banner-title")).to_have_text("ARMED")
     hold_pad(second, rt=1.0)
     second.get_by_role("button", name="Ask for control").click()
-    expect(first.locator("#asked-by")).to_contain_text("\u201cdesk\u201d wants to drive")
-    time.sleep(2 * LEASE_S)
-    assert here.speeds_sent() == 0
+    expect(first.locator("#asked-by")).to_contain_text(f"\u201c{NAME} 2\u201d wants to drive")
+    stays_stopped(here)
     assert here.robot.facts.armed
     first.get_by_role("button", name="Keep").click()
     expect(second.locator("#drive-why")).to_have_text("lab phone keeps control")
     second.get_by_role("button", name="Ask for control").click()
     first.get_by_role("button", name="Hand over").click()
     expect(second.locator("#control")).to_have_text("Control: this page")
-    expect(first.locator("#control")).to_have_text("Control: desk")
     assert not here.robot.facts.armed
-    time.sleep(2 * LEASE_S)
-    assert here.speeds_sent() == 0
+    stays_stopped(here)
+    second.evaluate("hold(0, 0)")
+    press_arm(second)
+    drive(here, second)
+    first.keyboard.press("Space")
+    here.wait_for_stop_pressed()
+    expect(second.locator("#banner-text")).to_contain_text("STOP was pressed on lab phone")
+    first.reload()
+    ready(first)
+    until(lambda: "lab phone" in [page.name for page in here.hub.pages])
 
 
-def test_a_page_that_asked_gets_control_when_the_driver_is_gone(
-    station: Make, visit: Visit
-) -> None:
-    here = station()
-    first, second = visit(here.url), visit(here.url)
-    arm(first)
-    second.get_by_role("button", name="Ask for control").click()
-    expect(second.get_by_role("button", name="Asked")).to_be_disabled()
-    first.close()
-    expect(second.locator("#control")).to_have_text("Control: this page")
+@pytest.mark.parametrize("by_key", [False, True])
+def test_one_press_takes_control_and_does_not_arm(by_key: bool, watched: Opened) -> None:
+    here, page = watched()
+    if by_key:
+        page.locator("#take").focus()
+        page.keyboard.down("Enter")
+        expect(page.locator("#arm")).to_be_focused()
+        for _ in range(5):
+            page.keyboard.down("Enter")  # as the keyboard repeats it
+        page.keyboard.up("Enter")
+    else:
+        page.locator("#take").dblclick()
+    expect(page.locator("#control")).to_have_text("Control: this page")
+    page.wait_for_timeout(300)
+    assert here.hub.control.driver is not None
     assert not here.robot.facts.armed
 
 
-def test_every_page_can_stop(station: Make, visit: Visit) -> None:
-    here = station()
-    first, second = visit(here.url), visit(here.url)
-    arm(first)
-    drive(here, first)
-    second.keyboard.press("Space")
-    begun_s = time.monotonic()
-    assert here.wait_until_stopped(begun_s) < WITHIN_S
-    assert not here.robot.facts.armed
-    expect(first.locator("#banner-text")).to_contain_text(f"STOP was pressed on {NAME} 2")
+def test_control_arm_and_drive_by_key_alone(watched: Opened) -> None:
+    here, page = watched()
+    page.locator("#take").focus()
+    page.keyboard.press("Enter")
+    expect(page.locator("#arm")).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(page.locator("#disarm")).to_be_focused()
+    page.locator("#scale").click(position={"x": 5, "y": 10})
+    value = page.locator("#scale").input_value()
+    drive_by_keys(here, page, "ArrowUp")
+    assert page.locator("#scale").input_value() == value, "a clicked slider keeps no arrow keys"
+    page.keyboard.up("ArrowUp")
+    page.locator("#scale").focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.locator("#scale")).not_to_have_value(value)
 
 
-def test_a_page_that_only_watches_sends_the_robot_nothing(station: Make, visit: Visit) -> None:
-    here = station(enable_drive=False)
-    page = visit(here.url)
-    ready(page)
+def test_a_page_that_only_watches_sends_the_robot_nothing(watched: Opened) -> None:
+    here, page = watched(enable_drive=False)
     expect(page.locator("#stop")).to_be_hidden()
     expect(page.get_by_role("button", name="Take control")).to_be_hidden()
     hold_pad(page, rt=1.0)
@@ -576,54 +435,3 @@ def test_a_page_that_only_watches_sends_the_robot_nothing(station: Make, visit: 
     page.keyboard.down("w")
     time.sleep(2 * LEASE_S)
     assert here.sim.state.speed_commands == 0
-
-
-# ---- when the robot refuses ----
-
-
-def test_override_disarms_and_is_shown(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
-    drive(here, page)
-    here.sim.set("pad_a", True)
-    expect(page.locator("#banner-title")).to_have_text("OVERRIDE")
-    here.sim.set("pad_a", False)
-    expect(page.locator("#banner-title")).to_have_text("DISARMED")
-    before = here.speeds_sent()
-    time.sleep(2 * LEASE_S)
-    assert here.speeds_sent() == before, "the old command came back"
-
-
-def test_inhibited_motion_disarms_and_is_shown(station: Make, visit: Visit) -> None:
-    here = station(lease_s=1.0)
-    here.sim.set("estop_remote", True)
-    page = visit(here.url)
-    arm(page)
-    here.wait_until_inhibited(page)
-    expect(page.locator("#banner-text")).to_contain_text(
-        "did not follow its commands: check emergency stops"
-    )
-    expect(page.locator("#banner-title")).to_have_text("DISARMED")  # nothing is commanded now
-    expect(page.locator("#events")).to_contain_text("motion inhibited")
-    assert not here.robot.facts.armed
-    here.sim.set("estop_remote", False)
-    here.sim.set("motor_button", True)
-    time.sleep(2 * LEASE_S)
-    assert not here.driven
-
-
-def test_a_lost_robot_is_shown_and_comes_back_disarmed(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
-    drive(here, page)
-    here.sim.set("power", False)
-    expect(page.locator("#banner")).to_contain_text("ROBOT LOST")
-    expect(page.locator("#quality-say")).to_have_text(re.compile(r"^Lost"))
-    page.locator("#stop").click()  # whose zeros nobody confirms
-    expect(page.locator("#banner-title")).to_have_text("STOP NOT CONFIRMED")
-    expect(page.locator("#banner-text")).to_contain_text("press the robot\u2019s emergency stop")
-    expect(page.locator("#banner-more")).to_have_text("ROBOT LOST")
-    here.sim.set("power", True)
-    ready(page)
-    expect(page.locator("#banner-title")).to_have_text("DISARMED")
-    before = here.speeds_sent()
-    time.sleep(2 * LEASE_S)
-    assert here.speeds_sent() == before

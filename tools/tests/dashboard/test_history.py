@@ -26,13 +26,8 @@ def discharged(percent_h: float, rows: int) -> History:
     return history
 
 
-@pytest.mark.parametrize("percent_h", [-12.0, 0.0, 30.0])
-def test_the_battery_s_trend_is_the_slope_of_the_last_minutes(percent_h: float) -> None:
-    assert discharged(percent_h, 5).trend_percent_h() is None
-    assert discharged(percent_h, 200).trend_percent_h() == pytest.approx(percent_h, abs=0.1)
-
-
 def test_where_no_battery_was_received_is_a_gap_and_no_trend() -> None:
+    assert discharged(-12.0, 5).trend_percent_h() is None
     history = discharged(-12.0, 100)
     lost_s = 1e9 + 99 * BATTERY_EVERY_S + 1.0
     for after in range(3600):
@@ -52,15 +47,12 @@ def test_another_battery_after_a_gap_has_a_trend_of_its_own() -> None:
     assert history.trend_percent_h() == pytest.approx(0.0, abs=0.1)
 
 
-@pytest.mark.parametrize("speed_m_s", [0.3, 1.0, 2.6])
-def test_ten_minutes_of_driving_fit_into_the_trail(speed_m_s: float) -> None:
+def test_ten_minutes_of_driving_fit_into_the_trail() -> None:
     history = History()
     for frame in range(700 * 30):
-        history.add_place(1e9 + frame / 30, speed_m_s * frame / 30, 0.0, 0.0)
+        history.add_place(1e9 + frame / 30, 2.6 * frame / 30, 0.0, 0.0)
     times = history.path.columns()[2]
-    assert times[0] is not None
-    assert times[-1] is not None
-    assert times[-1] - times[0] > 595.0
+    assert times[-1] - times[0] > 595.0  # type: ignore[operator]
 
 
 def test_a_ring_keeps_the_latest_rows_oldest_first() -> None:
@@ -75,17 +67,13 @@ def test_history_has_a_fixed_size() -> None:
     history = History()
     for row in range(2 * SPEED_ROWS):
         history.add_speeds(row * SPEED_EVERY_S, (0.0, 0.0, 0.0, 0.0))
+        history.add_speeds((row + 0.5) * SPEED_EVERY_S, (0.0, 0.0, 0.0, 0.0))
         history.note(row, "plain", "something")
     assert len(history.speeds) == SPEED_ROWS
+    times = history.speeds.columns()[0]
+    assert times[-1] - times[0] > 590.0  # type: ignore[operator]
     assert len(history.events) == EVENT_ROWS
     assert history.events[-1].number == 2 * SPEED_ROWS
-
-
-def test_speeds_are_stored_periodically() -> None:
-    history = History()
-    for row in range(300):
-        history.add_speeds(row * 0.02, (0.0, 0.0, 0.0, 0.0))
-    assert len(history.speeds) == pytest.approx(30, abs=1)
 
 
 def test_a_clock_that_is_set_back_begins_anew() -> None:
@@ -104,11 +92,6 @@ class Facts:
     inhibited: bool = False
 
 
-def test_every_event_that_matters_has_words() -> None:
-    told = {text for event in Event for _, text in texts_of(event, Facts(), Facts())}
-    assert len(told) >= 16
-
-
 @pytest.mark.parametrize(
     ("event", "fact"),
     [
@@ -121,8 +104,6 @@ def test_the_end_of_a_danger_is_not_reported_as_the_danger(event: Event, fact: s
     quiet, danger = Facts(), Facts(**{fact: True})
     begun = texts_of(event, quiet, danger)
     ended = texts_of(event, danger, quiet)
-    assert [level for level, _ in begun] == ["bad"]
-    assert [level for level, _ in ended] == ["plain"]
-    assert begun[0][1] != ended[0][1]
+    assert [level for level, _ in (*begun, *ended)] == ["bad", "plain"]
     assert texts_of(event, quiet, quiet) == begun + ended, "one that came and went is lost"
     assert texts_of(event, danger, danger) == begun, "one that went and came is lost"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Inputs that are late, old, repeated or invented: none of them moves the robot."""
+"""Pages without a browser: none that is late, old, wrong or invented moves the robot."""
 
 import contextlib
 import time
@@ -8,16 +8,15 @@ from collections.abc import Callable, Iterator
 import pytest
 from page_client import Proxy, Visitor
 from playwright.sync_api import Page, expect
-from station import LEASE_S, Station, arm, drive, ready, until
-from test_driving import WITHIN_S
+from station import LEASE_S, WITHIN_S, Station, arm, drive, ready, stays_stopped, until
 from websockets.exceptions import ConnectionClosed
 
-from roburoc4_tools.dashboard.app import _hear
 from roburoc4_tools.dashboard.fleet import Fleet
 from roburoc4_tools.dashboard.hub import MOST_PAGES
 from roburoc4_tools.dashboard.messages import BadMessageError, Messages
 
 Make = Callable[..., Station]
+PLACE = {"x_m": 1.0, "y_m": 0.0, "theta_rad": 0.0, "scale": 1.0}
 
 
 @pytest.fixture
@@ -52,7 +51,7 @@ def test_what_a_stalled_socket_delivers_late_is_ignored(behind: Station, proxy: 
         assert behind.speeds_sent() == before
 
 
-def test_a_browser_behind_a_stalled_socket_stops_the_robot(
+def test_a_browser_behind_a_dead_connection_stops_the_robot_and_can_still_stop_it(
     behind: Station, proxy: Proxy, visit: Callable[..., Page]
 ) -> None:
     page = visit(f"http://127.0.0.1:{proxy.port}/")
@@ -61,11 +60,13 @@ def test_a_browser_behind_a_stalled_socket_stops_the_robot(
     begun_s = time.monotonic()
     proxy.flows.clear()
     assert behind.wait_until_stopped(begun_s) < WITHIN_S
-    time.sleep(2 * LEASE_S)
-    before = behind.speeds_sent()
-    proxy.flows.set()
-    time.sleep(4 * LEASE_S)
-    assert behind.speeds_sent() == before, "it drove on with a button that was held all the time"
+    expect(page.locator("#banner-title")).to_have_text("NO CONNECTION TO THE DASHBOARD")
+    before, speeds = proxy.connections, behind.speeds_sent()
+    page.locator("#stop").click()
+    until(lambda: proxy.connections > before)  # and this one does not open
+    proxy.kill()
+    until(lambda: "STOP was pressed" in behind.hub.control.why)
+    assert behind.speeds_sent() == speeds, "it drove on with a button that was held all the time"
 
 
 def test_stop_does_not_wait_for_a_dead_connection(
@@ -78,42 +79,54 @@ def test_stop_does_not_wait_for_a_dead_connection(
     with Visitor(behind) as driver:
         driver.arm()
         page.locator("#stop").click()
-        until(lambda: "STOP was pressed" in behind.hub.control.why)
-        assert not behind.robot.facts.armed
+        behind.wait_for_stop_pressed()
 
 
-def test_stop_does_not_wait_for_a_connection_that_does_not_open(
-    behind: Station, proxy: Proxy, visit: Callable[..., Page]
-) -> None:
-    page = visit(f"http://127.0.0.1:{proxy.port}/")
-    ready(page)
-    proxy.flows.clear()
-    expect(page.locator("#banner-title")).to_have_text("NO CONNECTION TO THE DASHBOARD")
-    before = proxy.connections
-    page.locator("#stop").click()
-    until(lambda: proxy.connections > before)
-    proxy.kill()
-    until(lambda: "STOP was pressed" in behind.hub.control.why)
-
-
-def test_ticks_that_were_never_sent_are_ignored(station: Make) -> None:
+def test_a_server_that_hangs_stops_the_robot_within_the_lease(station: Make) -> None:
     here = station()
+    step = here.hub.step
+
+    def hang() -> None:
+        here.hub.step = step
+        time.sleep(1.5)
+
     with Visitor(here) as driver:
         driver.arm()
+        driver.drive(lambda: here.driven)
+        begun_s = time.monotonic()
+        here.hub.step = hang
+        assert here.wait_until_stopped(begun_s) < WITHIN_S
         before = here.speeds_sent()
-        for tick in (driver.tick + 1, driver.tick + 1000, 0, -1, 10**30):
-            driver.answer(tick, 1.0)
-        driver.draw_for(0.3)
-        assert here.speeds_sent() == before
-        assert here.hub.control.dropped >= 5
+        driver.draw_for(2.0, 0.4)
+        assert here.speeds_sent() == before, "it drove on with what was held all the time"
 
 
-def test_ticks_of_another_connection_are_ignored(station: Make) -> None:
+def test_an_error_in_the_server_stops_all_robots_and_ends_it(station: Make) -> None:
+    here = station(robots=("RED", "BLUE"))
+
+    def fail() -> None:
+        raise RuntimeError("of this test")
+
+    with Visitor(here, path="/socket?robot=BLUE") as driver:
+        driver.arm()
+        here.hub.step = fail
+        here.wait_for_end()
+    assert not here.robots[1].facts.armed
+    assert str(here.hub.failure) == "of this test"
+
+
+def test_ticks_that_were_never_sent_or_to_another_connection_are_ignored(station: Make) -> None:
     here = station()
     with Visitor(here) as driver:
         driver.arm()
         old = driver.tick
+        for tick in (old + 1, old + 1000, 0, -1, 10**30):
+            driver.answer(tick, 1.0)
+        driver.draw_for(0.3)
+        assert here.speeds_sent() == 0
+        assert here.hub.control.dropped >= 5
     until(lambda: here.hub.control.driver is None)
+    assert not here.robot.facts.armed, "a closed page disarms"
     with Visitor(here) as driver:
         driver.say("take")
         driver.say("arm", tick=old)
@@ -123,124 +136,65 @@ def test_ticks_of_another_connection_are_ignored(station: Make) -> None:
         assert here.speeds_sent() == 0
 
 
-@pytest.mark.parametrize(
-    "inputs",
-    [
-        {"forward": 1.01},
-        {"forward": 1e300},
-        {"forward": "1"},
-        {"forward": True},
-        {"left": -2.0},
-        {"left": None},
-        {"scale": 0.0},
-        {"scale": 1.5},
-        {"scale": []},
-    ],
-)
-def test_an_input_out_of_range_ends_the_connection_and_the_drive(
-    inputs: dict[str, object], station: Make
-) -> None:
+def test_an_old_answer_is_no_sign_of_life(station: Make) -> None:
     here = station()
-    with Visitor(here) as driver:
-        driver.arm()
-        driver.draw_for(0.2, 0.4)
-        whole = {"forward": 0.0, "left": 0.0, "scale": 1.0} | inputs
-        driver.say("drawn", tick=driver.tick, input=whole)
-        until(lambda: here.hub.control.driver is None)
-        until(lambda: not here.driven)
-        assert not here.robot.facts.armed
+    with Visitor(here) as page:
+        page.draw()
+        page.draw()
+        (one,) = here.hub.pages
+        until(lambda: page.tick not in one._owed)
+        heard_s = one.heard_s
+        page.answer(page.tick, None)
+        page.answer(page.tick + 1000, None)
+        page.say("name", name="it has come")
+        until(lambda: one.name == "it has come")
+        assert one.heard_s == heard_s
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "{",
-        "[]",
-        "1",
-        '{"type":"fly"}',
-        '{"type":"drawn"}',
-        '{"type":"drawn","tick":true}',
-        '{"type":"drawn","tick":1,"input":7}',
-        '{"type":"drawn","tick":1,"input":{"forward":NaN,"left":0,"scale":1}}',
-        '{"type":"arm","tick":"1"}',
-        "[" * 1900,
-        "x" * 3000,
-        "x" * 100_000,
-        '{"type":"faults","faults":{"' + 200 * "x" + '":"1"}}',
-    ],
+NONSENSE = (
+    "",
+    "{",
+    "[]",
+    '{"type":"fly"}',
+    '{"type":"drawn"}',
+    '{"type":"drawn","tick":true}',
+    '{"type":"drawn","tick":1,"input":7}',
+    '{"type":"drawn","tick":1,"input":{"forward":NaN,"left":0,"scale":1}}',
+    '{"type":"go","tick":1,"x_m":NaN,"y_m":0,"scale":1}',
+    '{"type":"drawn","tick":1,"input":{"forward":1.01,"left":0,"scale":1}}',
+    '{"type":"drawn","tick":1,"input":{"forward":true,"left":0,"scale":1}}',
+    '{"type":"drawn","tick":1,"input":{"forward":0,"left":-2,"scale":1}}',
+    '{"type":"drawn","tick":1,"input":{"forward":0,"left":0,"scale":0}}',
+    "[" * 1900,
+    "x" * 3000,
+    "x" * 100_000,
+    '{"type":"faults","faults":{"' + 200 * "x" + '":"1"}}',
 )
+
+
 def test_nonsense_ends_the_connection_and_nothing_else(
-    text: str, station: Make, caplog: pytest.LogCaptureFixture
+    station: Make, caplog: pytest.LogCaptureFixture
 ) -> None:
     here = station(panel=True)
-    with Visitor(here) as other, Visitor(here) as visitor:
-        visitor.socket.send(text)
-        until(lambda: len(here.hub.pages) == 1)
+    with Visitor(here) as other:
+        other.draw()
+        for text in NONSENSE:
+            with Visitor(here) as visitor:
+                visitor.socket.send(text)
+                with pytest.raises(ConnectionClosed, match=r"1008|1009"):
+                    while True:
+                        visitor.receive()
         other.draw_for(0.2)
-        with pytest.raises(ConnectionClosed):
-            while True:
-                visitor.receive()
     assert not caplog.records
 
 
-class Gone:
-    """A page that is gone when it is told that it is."""
-
-    async def receive_text(self) -> str:
-        return "nonsense"
-
-    async def close(self, code: int, reason: str) -> None:
-        assert (code, reason) == (1008, "not JSON")
-        raise RuntimeError("a close message has been sent")
-
-
-def test_nonsense_of_a_page_that_is_gone_raises_nothing(station: Make) -> None:
-    here = station()
-    page = here.hub.join()
-    messages = Messages(Fleet([here.hub]), here.hub, page)
-    with pytest.raises(StopIteration):  # it ends without an exception of its own
-        _hear(messages, Gone()).send(None)  # type: ignore[arg-type]
-    assert page not in here.hub.pages
-
-
-def test_a_page_whose_end_was_found_while_sending_raises_nothing(station: Make) -> None:
-    class Ended(Gone):
-        async def receive_text(self) -> str:
-            raise RuntimeError("WebSocket is not connected")
-
-    here = station()
-    messages = Messages(Fleet([here.hub]), here.hub, here.hub.join())
-    with pytest.raises(StopIteration):
-        _hear(messages, Ended()).send(None)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("goal", [{"x_m": 2000.0}, {"clearance_m": -1.0}, {"y_m": -1001.0}])
-def test_a_place_that_cannot_be_costs_neither_connection_nor_control(
-    goal: dict[str, float], station: Make
-) -> None:
+def test_nonsense_of_the_driver_disarms(station: Make) -> None:
     here = station()
     with Visitor(here) as driver:
         driver.arm()
-        driver.refusals.clear()  # of arming, on a loaded machine
-        driver.say("go", tick=driver.tick, **{"x_m": 1.0, "y_m": 0.0, "scale": 0.5} | goal)
-        while not driver.refusals:
-            driver.draw(0.0)
-        assert here.hub.control.driver is not None
-        assert here.hub.control.begun == []
-        assert "going to a place was refused" in here.hub._history.events[-1].text
-
-
-@pytest.mark.parametrize("line", ["pad \ud800", "estop l\u00f6cal press", "\ud800"])
-def test_a_panel_line_of_other_letters_is_refused(
-    line: str, station: Make, caplog: pytest.LogCaptureFixture
-) -> None:
-    here = station(panel=True)
-    with Visitor(here) as visitor:
-        visitor.say("panel", line=line)
-        until(lambda: visitor.receive()["type"] == "refused")
-        visitor.draw_for(0.2)
-    assert not caplog.records
+        driver.answer(driver.tick, 1.01)
+        until(lambda: here.hub.control.driver is None)
+        assert not here.robot.facts.armed
 
 
 def test_a_page_whose_outbox_is_full_is_not_kept(station: Make) -> None:
@@ -250,23 +204,6 @@ def test_a_page_whose_outbox_is_full_is_not_kept(station: Make) -> None:
         for _ in range(100):
             Messages(Fleet([here.hub]), here.hub, page).receive('{"type":"clear"}')
     here.hub.part(page)
-
-
-def test_pages_that_draw_nothing_cost_little(station: Make) -> None:
-    here = station()
-    beats = []
-    step = here.hub.step
-    with Visitor(here) as silent:
-        here.hub.step = lambda: (beats.append(time.monotonic()), step())[1]
-        time.sleep(2.0)
-        beats.clear()
-        time.sleep(2.0)
-        idle = len(beats)
-        assert idle < 20
-        silent.draw_for(0.5)
-        beats.clear()
-        silent.draw_for(2.0)
-        assert len(beats) > 2 * idle
 
 
 def test_a_flood_ends_the_connection(station: Make) -> None:
@@ -284,34 +221,35 @@ def test_no_more_pages_than_can_be_served_are_let_in(station: Make) -> None:
             opened.enter_context(Visitor(here)).receive()
         with Visitor(here) as late, pytest.raises(ConnectionClosed, match="too many pages"):
             late.receive()
-        assert len(here.hub.pages) == MOST_PAGES
 
 
-def test_a_page_that_answers_nothing_costs_others_nothing(
-    station: Make,
-) -> None:
+def test_pages_that_draw_nothing_cost_little_and_queue_nothing(station: Make) -> None:
     here = station()
-    with Visitor(here) as silent, Visitor(here) as other:
-        other.draw_for(1.0)
-        seen = 0
-        silent.socket.recv(timeout=5)  # hello
-        while True:
-            try:
-                seen += '"type":"frame"' in str(silent.socket.recv(timeout=0.3))
-            except TimeoutError:
-                break
-        assert 1 <= seen <= 3
-        assert other.frame["pages"] == 2
+    with Visitor(here) as silent:
+        time.sleep(1.5)
+        before = here.hub.ticks.last
+        time.sleep(1.0)
+        assert here.hub.ticks.last == before
+        assert before <= 4
+        with Visitor(here) as other:
+            other.draw_for(0.5)
+            assert other.frame["pages"] == 2
+        assert here.hub.ticks.last > before + 5
+        silent.socket.recv()  # hello, before frames
+        frames = 0
+        with contextlib.suppress(TimeoutError):
+            while True:
+                frames += '"type":"frame"' in str(silent.socket.recv(timeout=0.3))
+        assert frames <= 3
 
 
 def test_only_the_driver_drives_arms_and_disarms(station: Make) -> None:
     here = station()
     with Visitor(here) as driver, Visitor(here) as other:
         driver.arm()
-        place = {"x_m": 1.0, "y_m": 0.0, "theta_rad": 0.0, "scale": 1.0}
         for kind in ("arm", "disarm", "go", "relocalize", "keep"):
             other.draw()
-            other.say(kind, tick=other.tick, **place)
+            other.say(kind, tick=other.tick, **PLACE)
             until(lambda: other.receive()["type"] == "refused")
         other.draw_for(0.3, 1.0)
         driver.draw_for(0.3, 0.0)
@@ -319,9 +257,7 @@ def test_only_the_driver_drives_arms_and_disarms(station: Make) -> None:
         assert here.speeds_sent() == 0
 
 
-def test_a_driver_that_releases_control_still_gets_frames(
-    station: Make,
-) -> None:
+def test_a_driver_that_releases_control_still_gets_frames(station: Make) -> None:
     here = station()
     with Visitor(here) as driver:
         driver.arm()
@@ -340,20 +276,131 @@ def test_a_driver_that_releases_control_still_gets_frames(
 def test_without_enable_drive_no_message_sends_a_command(station: Make) -> None:
     here = station(enable_drive=False)
     with Visitor(here) as visitor:
-        place = {"x_m": 1.0, "y_m": 0.0, "theta_rad": 0.0, "scale": 1.0}
-        for kind in ("take", "arm", "stop", "disarm", "leave", "go", "relocalize"):
+        for kind in ("take", "arm", "stop", "disarm", "leave", "go", "relocalize", "relieve"):
             visitor.draw()
-            visitor.say(kind, tick=visitor.tick, **place)
+            visitor.say(kind, tick=visitor.tick, **PLACE)
+        visitor.say("panel", line="power off")
         visitor.draw(1.0)
         visitor.draw_for(0.3)
-        assert len(visitor.refusals) >= 6
+        assert len(visitor.refusals) >= 8
         assert here.sim.state.speed_commands == 0
+        assert here.sim.state.powered, "it is not known to be a simulator"
 
 
-def test_without_a_simulator_there_is_no_panel(station: Make) -> None:
+def test_a_refusal_costs_neither_connection_nor_control(station: Make) -> None:
+    here = station(panel=True)
+    with Visitor(here) as driver:
+        driver.arm()
+        here.sim.set("battery_percent", 50.0)
+        for kind, message in (
+            ("go", PLACE | {"x_m": 2000.0}),
+            ("go", PLACE | {"clearance_m": -1.0}),
+            ("go", PLACE | {"y_m": -1001.0}),
+            ("panel", {"line": "pad \ud800"}),
+            ("panel", {"line": "estop l\u00f6cal press"}),
+        ):
+            driver.refusals.clear()
+            driver.say(kind, tick=driver.tick, **message)
+            while not driver.refusals:
+                driver.draw(0.0)
+        assert here.hub.control.driver is not None
+        assert here.hub.control.begun == []
+        assert "going to a place was refused" in here.hub._history.events[-1].text
+
+
+# ---- what the robot does, as pages are told ----
+
+
+def told(page: Visitor, name: str) -> bool:
+    """Whether a fact of the robot is told by now."""
+    page.draw()
+    return page.frame["facts"][name] is True
+
+
+@pytest.mark.parametrize(
+    ("trouble", "fact", "why"),
+    [("pad_a", "overridden", "held [A]"), ("estop_remote", "", "did not follow its commands")],
+)
+def test_trouble_while_driving_disarms_and_says_why(
+    trouble: str, fact: str, why: str, station: Make
+) -> None:
     here = station()
-    with Visitor(here) as visitor:
-        visitor.draw()
-        visitor.say("panel", line="power off")
-        until(lambda: visitor.receive()["type"] == "refused")
-        assert here.sim.state.powered
+    with Visitor(here) as driver:
+        driver.arm()
+        driver.drive(lambda: here.driven)
+        here.sim.set(trouble, True)
+        until(lambda: driver.draw(0.4) or not here.robot.facts.armed)
+        until(lambda: driver.draw(0.4) or why in driver.frame["why"])
+        assert not fact or told(driver, fact)
+        here.sim.set(trouble, False)
+        here.sim.set("motor_button", True)
+        before = here.speeds_sent()
+        driver.draw_for(1.0, 0.4)
+        assert here.speeds_sent() == before, "the old command came back"
+
+
+def test_a_stop_that_was_not_confirmed_is_told_until_the_robot_stands(station: Make) -> None:
+    here = station()
+    with Visitor(here) as page:
+        page.draw_for(0.3)
+        here.sim.set("pad_a", True)
+        until(lambda: told(page, "overridden"))
+        here.sim.set("pad_rt", 0.0)
+        until(lambda: here.sim.state.wheel_linear_m_s > 0.5)
+        until(lambda: page.draw() or page.frame["facts"]["at_rest"] is False)
+        page.say("stop")  # which the robot ignores now
+        until(lambda: told(page, "stop_unconfirmed"))
+        here.sim.set("pad_a", False)
+        here.sim.set("pad_rt", 1.0)
+        until(lambda: told(page, "at_rest"))
+        assert not told(page, "stop_unconfirmed")
+        here.sim.set("power", False)
+        until(lambda: page.draw() or page.frame["state"] == "lost")
+        assert page.frame["facts"]["at_rest"] is None, "a lost robot may move"
+
+
+def test_a_robot_that_brakes_is_not_at_rest(station: Make) -> None:
+    here = station()
+    with Visitor(here) as driver:
+        driver.arm()
+        driver.drive(lambda: here.sim.state.wheel_linear_m_s > 0.3, 1.0)
+        driver.say("stop")
+        while not told(driver, "at_rest"):
+            pass
+        assert abs(driver.frame["speeds"][1]) < 0.03
+
+
+def test_an_idle_driver_is_relieved_while_the_robot_stands(station: Make) -> None:
+    here = station(idle_s=0.0)
+    with Visitor(here) as driver, Visitor(here) as other:
+        driver.arm()
+        until(lambda: other.draw() or other.frame["relievable"])
+        here.sim.set("pad_a", True)
+        here.sim.set("pad_lj_x", 1.0)
+        until(lambda: other.draw() or other.frame["facts"]["at_rest"] is False)
+        assert not other.frame["relievable"]
+        other.say("relieve")
+        until(lambda: other.receive()["type"] == "refused")
+        here.sim.set("pad_a", False)
+        until(lambda: other.draw() or other.frame["relievable"])
+        other.say("relieve")
+        until(lambda: other.draw() or other.frame["driver"] != driver.frame["driver"])
+        stays_stopped(here)
+        assert not here.robot.facts.armed
+
+
+def test_what_else_may_be_wrong_is_told_and_noted(station: Make) -> None:
+    here = station()
+    with Visitor(here) as page:
+        page.draw_for(0.3)
+        for name, values, fact, texts in (
+            ("charger", (True, False), "charger", ("was plugged in", "was unplugged")),
+            ("localization_flags", (82, 18), "pose_error", ("reports an error", "works again")),
+            ("rear_bumper", (True, False), "rear_bumper", ("was pressed", "was released")),
+        ):
+            for value, text, on in zip(values, texts, (True, False), strict=True):
+                here.sim.set(name, value)
+                until(lambda fact=fact, on=on: told(page, fact) is on)
+                assert text in here.hub._history.events[-1].text
+    numbers = [event.number for event in here.hub._history.events]
+    assert numbers == sorted(set(numbers))
