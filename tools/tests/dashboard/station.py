@@ -93,31 +93,6 @@ def until(condition: Callable[[], object], seconds: float = PATIENCE_S) -> None:
         time.sleep(0.002)
 
 
-class Stopwatch:
-    """Time since it was made, without the time that a loaded machine kept this thread waiting."""
-
-    def __init__(self, begun_s: float | None = None) -> None:
-        self.begun_s = time.monotonic() if begun_s is None else begun_s
-        self.stalled_s = 0.0
-
-    def nap(self, seconds: float = 0.002) -> None:
-        """Sleep; oversleeping is not counted."""
-        begun_s = time.monotonic()
-        time.sleep(seconds)
-        self.stalled_s += max(0.0, time.monotonic() - begun_s - seconds - 0.01)
-
-    def seconds(self, now_s: float | None = None) -> float:
-        """Return the time that it shows, or showed at ``now_s``."""
-        return (time.monotonic() if now_s is None else now_s) - self.begun_s - self.stalled_s
-
-    def until(self, condition: Callable[[], object]) -> None:
-        """Wait until it is true; fail if it never is."""
-        end = time.monotonic() + PATIENCE_S
-        while not condition():
-            assert time.monotonic() < end, "it never became true"
-            self.nap()
-
-
 class Station:
     """A simulator, a robot object, and the dashboard's server in a thread."""
 
@@ -219,12 +194,11 @@ class Station:
             hold()
 
     def wait_until_stopped(self, begun_s: float) -> float:
-        """Wait for the first zero; return how long after ``begun_s`` it came, without stalls."""
-        watch = Stopwatch(begun_s)
-        watch.until(lambda: not self.driven)
+        """Wait for the first zero; return how long after ``begun_s`` it came."""
+        until(lambda: not self.driven)
         state = self.sim.state
         assert not state.watchdog_tripped
-        return watch.seconds(state.last_command_us / 1e6)
+        return state.last_command_us / 1e6 - begun_s
 
     def wait_for_stop_pressed(self) -> None:
         """Wait until STOP has come and the robot is stopped; a bumper or a lease stops it, too."""

@@ -241,6 +241,7 @@ class Walk:
         self.control.limits = Limits((0.8, 0.8), (1.0, 1.0))
         self.page = Viewer(1)
         self.control.take(self.page)
+        self.show()  # releases all inputs
 
     def go(self, x_m: float) -> None:
         self.control.go(self.page, self.tick(), Goal(x_m, 0.0, 0.5), self.robot.now_s)

@@ -333,17 +333,3 @@ def test_map_and_plots_go_back_in_time_and_stop_stays_live(armed: Opened) -> Non
     page.keyboard.press("Escape")
     expect(page.locator("#past")).to_be_hidden()
     expect(page.locator("#plot-pause")).to_have_text("pause")
-
-
-def test_a_robot_that_stood_has_been_there_since_it_arrived(station: Make, visit: Visit) -> None:
-    here = station(enable_drive=False)
-    now_s = time.time()
-    here.hub._history.path.clear()
-    here.hub._history.add_place(now_s - 300, 1.0, 0.0, 0.0)
-    page = visit(here.url, init=WORDS)
-    ready(page)
-    page.locator("#map-past").click()
-    page.locator("#past-at").fill("-100")
-    since = time.strftime("%H:%M:%S", time.localtime(now_s - 300))
-    page.wait_for_function("(text) => text in words", arg=f"here since {since}")
-    expect(page.locator("#pose")).to_contain_text("x 1.00")

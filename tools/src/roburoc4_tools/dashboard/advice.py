@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from roburoc4.constants import Fault, Result, State
-from roburoc4.records import Facts, Link
+from roburoc4.records import Link
 
 LOSS_SHARE = 0.02
 ROUND_TRIP_MS = 50.0
@@ -120,8 +120,3 @@ def why_refused(code: int) -> str:
     if code == Result.MOVING:
         return "the robot moved, or had a target: arm it when it is at rest"
     return why_not_armed(code)
-
-
-def blocked(facts: Facts) -> str:
-    """Return what prevents arming now."""
-    return why_not_armed(facts.arm_refusal)

@@ -34,7 +34,7 @@ from roburoc4.robot import Robot
 from roburoc4.settings import STATUS_SERVICES
 
 from ..recordings.replay import TEXT
-from .advice import STALE_MS, advise, blocked
+from .advice import STALE_MS, advise, why_not_armed
 from .history import History, number
 
 _LINK_EVERY_S = 0.2
@@ -121,7 +121,7 @@ class Frames:
                 "stop_unconfirmed": not self._rested and facts.stop_outcome in _UNCONFIRMED,
                 "at_rest": at_rest,
                 **self._conditions(time_s, battery, pose, facts),
-                "blocked": blocked(facts),
+                "blocked": why_not_armed(facts.arm_refusal),
             },
             "stale": self._stale,
             "speeds": self._speeds(time_s, speeds),

@@ -11,7 +11,6 @@ const REFUSED = 403;
 export class Link {
   /** handlers: by type of message; frame: draws, returns the inputs or null; silent: called with true or false, and why. */
   constructor(handlers, frame, silent) {
-    this.tick = 0;
     this.handlers = handlers;
     this.frame = frame;
     this.silent = silent;
@@ -98,7 +97,6 @@ export class Link {
     this.latest = null;
     if (frame === null) return;
     this.look();
-    this.tick = frame.tick;
     const input = this.frame(frame);
     this.send(input ? { type: "drawn", tick: frame.tick, input } : { type: "drawn", tick: frame.tick });
   }
