@@ -492,6 +492,12 @@ TEST(LcmText, IsNeverCutWithinACharacter) {
     EXPECT_EQ("T", copied("T\xE9", 3));
 }
 
+TEST(LcmText, EndsWhereItsLengthSays) {
+    const std::uint8_t text[] = {'a', 0xC3, 0xA9};
+    EXPECT_TRUE(text_is_utf8(text, 3));
+    EXPECT_FALSE(text_is_utf8(text, 2)) << "what follows is no part of it";
+}
+
 TEST(LcmText, DistinguishesUtf8FromLookalikes) {
     const struct {
         const char *text;
@@ -523,8 +529,8 @@ TEST(LcmText, CannotControlTheTerminal) {
     char room[16];
     text_for_terminal(room, sizeof room, "a\x1B[2J\n\x7F", 7);
     EXPECT_STREQ("a?[2J??", room);
-    text_for_terminal(room, sizeof room, "\xC2\x9BJ \xC3\xA9", 6);
-    EXPECT_STREQ("??J \xC3\xA9", room) << "U+009B begins a command, too";
+    text_for_terminal(room, sizeof room, "a\xC2\x9BJ \xC3\xA9", 7);
+    EXPECT_STREQ("a??J \xC3\xA9", room) << "U+009B begins a command, too";
     text_for_terminal(room, 3, "abcdef", 6);
     EXPECT_STREQ("ab", room);
     text_for_terminal(room, sizeof room, "\xC2\xA9 a\0b", 6);

@@ -1300,6 +1300,8 @@ TEST_F(Bridge, WhatHappensToTheRobotIsLoggedInWords) {
         at = log.find(text, at);
         ASSERT_NE(at, std::string::npos) << text << "\n" << log;
     }
+    EXPECT_EQ(lines_with(log, "disarmed: "), 2u) << log;
+    EXPECT_EQ(lines_with(log, "clock was set"), 0u) << log;
 }
 
 TEST_F(Bridge, NothingIsKeptOfARobotThatAnotherReplaced) {
