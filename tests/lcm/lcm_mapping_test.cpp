@@ -165,6 +165,7 @@ TEST(LcmMapping, IoCardStatusHasANameBesideEachValue) {
     mapping_names_set(names.get(), ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_MAX_ANALOG_INPUTS, text, 1);
     EXPECT_STRNE("T", mapping_names_of(names.get(), &bench.client, ROBUROC4_IO_ANALOG_OUTPUT)[0])
         << "not the next list's";
+    mapping_names_set(names.get(), ROBUROC4_IO_ANALOG_INPUT, 1, text, 0); /* keeps its name */
     mapping_names_set(names.get(), -1, 0, text, 1);
     mapping_names_set(names.get(), 4, 0, text, 1);
     roburoc4_inputs in{};

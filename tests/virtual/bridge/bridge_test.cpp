@@ -570,6 +570,10 @@ TEST_F(Bridge, ABrokenSocketIsReplacedAfterASecondAndAllMustPause) {
     EXPECT_GE(sys.connects_us.back(), broke_us + kSecond);
     EXPECT_LE(sys.connects_us.back(), broke_us + 1100 * kMs);
     EXPECT_LE(robot_->last_speed_us(), broke_us + 100 * kMs);
+    EXPECT_EQ(std::count_if(bus.watched.begin(), bus.watched.end(),
+                            [](const auto &each) { return each.second >= 0; }),
+              2)
+        << "LCM's socket and the new one";
     sleep_ms(600);
     stream(0.3, 200);
     EXPECT_GT(robot_->last_speed_us(), broke_us + 3500 * kMs);
@@ -656,6 +660,7 @@ TEST_F(Bridge, PublishesItsStateFiveTimesASecondAndStatisticsOnce) {
     EXPECT_NEAR(static_cast<double>(times_of("ROBUROC4_PROPERTIES").size()), 10, 1);
     EXPECT_NEAR(static_cast<double>(times_of("ROBUROC4_DIFFERENTIAL").size()), 200, 2);
     EXPECT_NEAR(static_cast<double>(times_of("ROBUROC4_IOCARD").size()), 200, 2);
+    EXPECT_EQ(state()->faults, 0);
 }
 
 TEST_F(Bridge, AStatusHasTheTimeWhenTheRobotMadeIt) {
@@ -860,6 +865,7 @@ TEST_F(Bridge, AMoveThatIsNotRenewedEndsWithItsLease) {
     EXPECT_EQ(last_move_outcome(), ROBUROC4_MOVE_LAPSED) << "it had ended before";
     EXPECT_NEAR(static_cast<double>(times_of("ROBUROC4_MOVE_STATUS").back() - sent_us), 1.15e6, 1e5)
         << "published for a second more";
+    EXPECT_LE(times_of("ROBUROC4_MOVE_STATUS").size(), 12u) << "five times a second";
 }
 
 TEST_F(Bridge, TheEndOfTheBridgeCancelsAMove) {
@@ -899,6 +905,8 @@ TEST_F(Bridge, OfASpeedAndAMoveThatAreReadTogetherTheLaterDrives) {
         EXPECT_EQ(last_move_outcome(), ROBUROC4_MOVE_CANCELLED);
         EXPECT_EQ(robot_->commands.back().linear_m_s, static_cast<float>(speed));
     }
+    sleep_ms(1000);
+    EXPECT_EQ(statistics()->superseded, 1) << "the first speed";
 }
 
 TEST_F(Bridge, AMoveOfAnotherSenderIsAnotherMove) {
