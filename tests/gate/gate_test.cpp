@@ -795,6 +795,9 @@ TEST(GateStall, CommandsAfterAStallCountFromItsBeginning) {
     EXPECT_GT(now.utime, gate_arrival(&stall, now.utime)) << "or after 50 ms";
     EXPECT_FALSE(look_after(1, 0));
     EXPECT_EQ(now.utime, gate_arrival(&stall, now.utime));
+    EXPECT_TRUE(look_after(10 * second, 0));
+    EXPECT_FALSE(look_after(250 * ms, 250 * ms));
+    EXPECT_EQ(now.utime, gate_arrival(&stall, now.utime)) << "after 250 ms at most";
     const std::int64_t first_utime = now.utime;
     EXPECT_TRUE(look_after(300 * ms, 0));
     EXPECT_TRUE(look_after(200 * ms, 0)) << "it hangs again before they are empty";
@@ -812,6 +815,26 @@ TEST_F(Gate, AClockThatWasSetIsNoticedAndHolds) {
     EXPECT_EQ(-3600 * second - 100 * ms, gate_look_at_clock(&gate, set));
     EXPECT_TRUE(gate_is_waiting(&gate, us()));
     EXPECT_EQ(0, gate_look_at_clock(&gate, set));
+    gate_init(&gate, &rules_, time());
+    const gate_time ahead{us(), time().utime + second};
+    EXPECT_EQ(second, gate_look_at_clock(&gate, ahead));
+    EXPECT_TRUE(gate_is_waiting(&gate, us()));
+}
+
+TEST_F(Gate, WhatKeepsARobotFromArmingIsNothingToOneThatIsArmed) {
+    const gate_robot moving{true, true, ROBUROC4_ERR_MOVING}, rolling{true, false, -1};
+    EXPECT_EQ(GATE_TAKEN, judge(command(), moving));
+    run(50 * ms);
+    EXPECT_EQ(GATE_DISARMED, judge(command(), rolling));
+}
+
+TEST_F(Gate, ALongNameIsAnIncidentLikeAnyOther) {
+    const std::string name(3 * GATE_MAX_SENDER, 'n');
+    EXPECT_TRUE(gate_is_incident(&gate, GATE_SENDER, name.data(), name.size(), us()));
+    EXPECT_EQ(name.substr(0, GATE_MAX_SENDER), gate.incidents[GATE_SENDER].sender);
+    EXPECT_FALSE(gate_is_incident(&gate, GATE_SENDER, name.data(), name.size(), us()));
+    EXPECT_TRUE(gate_is_incident(&gate, static_cast<gate_verdict>(GATE_SENDER + 1), "x", 1, us()))
+        << "the next cause is untouched";
 }
 
 TEST(GateReason, EachVerdictHasItsOwn) {
