@@ -616,7 +616,9 @@ TEST_F(Record, EveryChecksumHoldsAndNoneOfIPv6IsZero) {
             const Bytes &ip = datagram.ip;
             const Bytes addresses(ip.begin() + static_cast<std::ptrdiff_t>(ips),
                                   ip.begin() + static_cast<std::ptrdiff_t>(header));
-            ASSERT_TRUE(std::equal(there_.ip, there_.ip + addresses.size() / 2, addresses.begin()));
+            const auto half = static_cast<std::ptrdiff_t>(addresses.size() / 2);
+            ASSERT_TRUE(std::equal(there_.ip, there_.ip + half, addresses.begin()));
+            ASSERT_TRUE(std::equal(here_.ip, here_.ip + half, addresses.begin() + half));
             if (family == 4) {
                 ASSERT_EQ(folded(sum_of(Bytes(ip.begin(), ip.begin() + 20), 0)), 0xFFFFu);
                 ASSERT_EQ(ip[9], 17);
