@@ -289,6 +289,26 @@ TEST(Description, ThatIsRefusedIsNotRequestedAgain) {
 
 /* ---- errors ---- */
 
+TEST(Description, ThatIsMissingIsRequestedLaterButNotWhileDriving) {
+    ScriptedRobot robot;
+    robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
+        return r.action == ROBUROC4_ACTION_QUERY && r.service != 0 &&
+               r.io_type == ROBUROC4_IO_ANALOG_INPUT && r.index == 3;
+    };
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until([&] { return bench.facts().descriptions_done == 1; }, 60 * second));
+    ASSERT_EQ(ROBUROC4_OK, bench.arm());
+    robot.requests.clear();
+    bench.run(10 * second);
+    EXPECT_FALSE(robot.seen(ROBUROC4_ACTION_QUERY).empty());
+    bench.run(10 * second);
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 2 * second)); /* it may still be open */
+    robot.requests.clear();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 20 * second));
+    EXPECT_LE(robot.seen(ROBUROC4_ACTION_QUERY).size(), 8U) << "the rest of the one before";
+}
+
 TEST(Description, ThatIsMissingIsRequestedLater) {
     ScriptedRobot robot;
     robot.texts_silent = true;
