@@ -123,7 +123,7 @@ ROBUROC4_API roburoc4_result roburoc4_move_options_init(roburoc4_move_options *o
 
 /** What a move knows of the robot's response. All of it is private. */
 typedef struct roburoc4_private_fit {
-    float gain, since_s, shift, surprise, statuses;
+    float gain, spare, shift, surprise, statuses;
     float numbers[5], spread[5][5], smooth[2][3];
 } roburoc4_private_fit;
 

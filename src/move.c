@@ -54,7 +54,7 @@ float roburoc4_move_half_turn(float angle_rad) {
 /** Within 2e-4. */
 static float sine_of(float angle_rad) {
     float x = roburoc4_move_half_turn(angle_rad);
-    x = order_of(magnitude(x)) > order_of(PI_F / 2) ? with_sign(PI_F, x) - x : x;
+    x = beyond(x, PI_F / 2) ? with_sign(PI_F, x) - x : x;
     const float xx = x * x;
     return x * (1 - xx / 6 * (1 - xx / 20 * (1 - xx / 42)));
 }
@@ -62,7 +62,7 @@ static float sine_of(float angle_rad) {
 /** Within 1e-5 rad. */
 static float angle_of(float x, float y) {
     const float ax = magnitude(x), ay = magnitude(y);
-    const bool steep = order_of(ay) > order_of(ax);
+    const bool steep = less(ax, ay);
     const float large = steep ? ay : ax;
     const float t = is_zero(large) ? 0 : (steep ? ax : ay) / large;
     const float tt = t * t;
@@ -73,7 +73,7 @@ static float angle_of(float x, float y) {
     }
     angle *= t;
     angle = steep ? PI_F / 2 - angle : angle;
-    angle = order_of(x) < 0 ? PI_F - angle : angle;
+    angle = negative(x) ? PI_F - angle : angle;
     return with_sign(angle, y);
 }
 
@@ -93,12 +93,13 @@ roburoc4_result roburoc4_move_options_init(roburoc4_move_options *options, size_
 
 static roburoc4_result checked(const roburoc4_move *m) {
     const roburoc4_move_options *o = &m->private_options;
-    const float numbers[] = {o->linear_m_s, o->angular_rad_s, o->linear_m_s2, o->angular_rad_s2,
-                             o->clearance_m};
-    for (uint32_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        if (!is_finite(numbers[i]) || order_of(numbers[i]) < (i < 4)) {
-            return ROBUROC4_ERR_ARGUMENT;
-        }
+    const float most[] = {o->linear_m_s, o->angular_rad_s, o->linear_m_s2, o->angular_rad_s2};
+    bool valid = is_finite(o->clearance_m) && !negative(o->clearance_m);
+    for (uint32_t i = 0; i < sizeof most / sizeof *most; i++) {
+        valid = valid && is_finite(most[i]) && positive(most[i]);
+    }
+    if (!valid) {
+        return ROBUROC4_ERR_ARGUMENT;
     }
     const float length = m->private_goal[LENGTH], angle = m->private_goal[ANGLE];
     const bool speeds = m->private_kind == FOR;
@@ -157,34 +158,30 @@ static int64_t fixed(double value) {
     const uint64_t bits = bits_from_f64(value);
     const int32_t down = 1075 - 16 - (int32_t)(bits >> 52 & 0x7FF);
     const uint64_t mantissa = (bits & 0xFFFFFFFFFFFFFU) | 0x10000000000000U;
-    const int64_t size = down > 63    ? 0
-                         : down >= 0  ? (int64_t)(mantissa >> down)
-                         : down > -10 ? (int64_t)(mantissa << -down)
-                                      : INT64_MAX / 2;
+    const int64_t size = down < 0    ? INT64_MAX / 2 /* farther than any planet */
+                         : down < 64 ? (int64_t)(mantissa >> down)
+                                     : 0;
     return bits >> 63 != 0 ? -size : size;
 }
 
 /** A difference of two of them; beyond 32 km it does not matter how far. */
 static float unfixed(int64_t difference) {
     const int32_t near = (int32_t)difference;
-    return near == difference ? (float)near * (1 / 65536.0F) : 2 * FAR_M;
+    return near == difference ? (float)near * (1 / 65536.0F) : 1e9F;
 }
 
 static roburoc4_result begin_to(roburoc4_move *m, uint8_t kind, double x_m, double y_m,
                                 double theta_rad, const roburoc4_move_options *options) {
     const double place[] = {x_m, y_m, theta_rad};
     int64_t goal[3];
-    bool finite = true;
+    float no_number = 0;
     for (uint32_t i = 0; i < 3; i++) {
-        finite = finite && finite_f64_bits(bits_from_f64(place[i]));
+        no_number += finite_f64_bits(bits_from_f64(place[i])) ? 0 : f32_from_bits(0x7FC00000U);
         goal[i] = fixed(place[i]);
     }
-    const roburoc4_result result = begin(m, kind, 0, finite ? unfixed(goal[2]) : FAR_M, options);
+    const roburoc4_result result = begin(m, kind, no_number, unfixed(goal[2]), options);
     memcpy(m->private_place, goal, sizeof goal);
-    if (!finite) {
-        m->outcome = ROBUROC4_MOVE_CANCELLED;
-    }
-    return finite ? result : ROBUROC4_ERR_NOT_FINITE;
+    return result;
 }
 
 roburoc4_result roburoc4_move_to_point(roburoc4_move *move, double x_m, double y_m,
@@ -207,6 +204,11 @@ static bool to_place(const roburoc4_move *m) {
 /** No speed is proposed. */
 static bool halted(const roburoc4_move *m) {
     return is_zero(m->linear_m_s) && is_zero(m->angular_rad_s);
+}
+
+/** The present leg is a line or an arc; a move for a time has no path to keep to. */
+static bool on_path(const roburoc4_move *m) {
+    return m->private_kind != FOR && roburoc4_move_axis(m) == LENGTH;
 }
 
 /** Count from here. */
@@ -233,9 +235,7 @@ static float look_to(const roburoc4_move *m, float *bearing_rad) {
     const float y = unfixed(m->private_place[1] - m->private_pose[1]);
     *bearing_rad = m->private_per_pose[ANGLE] *
                    roburoc4_move_half_turn(angle_of(x, y) - unfixed(m->private_pose[2]));
-    return beyond(x, FAR_M) || beyond(y, FAR_M)
-               ? 2 * FAR_M
-               : m->private_per_pose[LENGTH] * roburoc4_move_root(x * x + y * y);
+    return m->private_per_pose[LENGTH] * roburoc4_move_root(x * x + y * y);
 }
 
 /** Begin the next leg; false after the last one. */
@@ -261,17 +261,11 @@ static bool next_leg(roburoc4_move *m) {
         start_leg(m, 0, m->private_per_pose[ANGLE] * left_rad);
         return true;
     }
-    if (m->private_kind != BY || leg > 1 ||
-        (leg == 1 && (roburoc4_move_axis(m) == ANGLE || !beyond(left_rad, 0.0175F)))) {
+    if (m->private_kind != BY || (leg != 0 && !(on_path(m) && beyond(left_rad, 0.0175F)))) {
         return false;
     }
-    start_leg(m, leg == 0 ? roburoc4_move_left(m, LENGTH) : 0, left_rad);
+    start_leg(m, leg == 0 ? m->private_goal[LENGTH] : 0, left_rad);
     return true;
-}
-
-/** The present leg is a line or an arc; a move for a time has no path to keep to. */
-static bool on_path(const roburoc4_move *m) {
-    return m->private_kind != FOR && roburoc4_move_axis(m) == LENGTH;
 }
 
 /** The curvature of the present leg. */
@@ -284,15 +278,15 @@ static float astray(const roburoc4_move *m) {
     return m->private_covered[ANGLE] - curvature(m) * m->private_covered[LENGTH];
 }
 
-float roburoc4_move_stretch(const roburoc4_move *m, uint32_t axis) {
-    return axis == LENGTH && on_path(m) ? sine_of(astray(m) + PI_F / 2) /
-                                              (1 - within(curvature(m) * m->private_aside_m, 0.5F))
-                                        : 1;
+float roburoc4_move_stretch(const roburoc4_move *m) {
+    return on_path(m) ? sine_of(astray(m) + PI_F / 2) /
+                            (1 - within(curvature(m) * m->private_aside_m, 0.5F))
+                      : 1;
 }
 
 /** Not more than the robot's own limit, where that is known. */
 static float at_most_own(float value, float own) {
-    return is_finite(own) && order_of(own) > 0 ? lesser(value, own) : value;
+    return is_finite(own) && positive(own) ? lesser(value, own) : value;
 }
 
 /** Speeds and accelerations: the requested ones, limited to the robot's own. Returns how long their
@@ -300,7 +294,7 @@ static float at_most_own(float value, float own) {
 static float set_profile(roburoc4_move *m, const roburoc4_move_view *v) {
     const roburoc4_move_options *o = &m->private_options;
     float *limit = m->private_limit, *slope = m->private_slope;
-    float path[BOTH] = {m->private_goal[LENGTH], m->private_goal[ANGLE]}, seconds = 0;
+    float path[BOTH] = {m->private_goal[LENGTH], m->private_goal[ANGLE]};
     limit[LENGTH] = at_most_own(o->linear_m_s, v->max_linear_m_s);
     limit[ANGLE] = at_most_own(o->angular_rad_s, v->max_angular_rad_s);
     slope[LENGTH] = at_most_own(o->linear_m_s2, v->max_linear_m_s2);
@@ -310,18 +304,14 @@ static float set_profile(roburoc4_move *m, const roburoc4_move_view *v) {
         const float last = unfixed(m->private_place[2] - m->private_pose[2]) - path[ANGLE];
         path[ANGLE] = magnitude(path[ANGLE]) +
                       (m->private_kind == TO_POSE ? magnitude(roburoc4_move_half_turn(last)) : 0);
-    } else if (m->private_kind == BY && !is_zero(curvature(m))) {
+    } else if (!is_zero(curvature(m))) {
         const float bend = magnitude(curvature(m));
         limit[LENGTH] = lesser(limit[LENGTH], limit[ANGLE] / bend);
         slope[LENGTH] = lesser(slope[LENGTH], slope[ANGLE] / bend);
+        path[ANGLE] = 0; /* an arc turns on its way */
     }
-    for (uint32_t i = 0; i < BOTH; i++) {
-        /* an arc turns on its way */
-        if (!is_zero(path[i]) && (i == LENGTH || to_place(m) || is_zero(path[LENGTH]))) {
-            seconds += roburoc4_move_axis_seconds(m, i, path[i]);
-        }
-    }
-    return seconds;
+    return roburoc4_move_axis_seconds(m, LENGTH, path[LENGTH]) +
+           roburoc4_move_axis_seconds(m, ANGLE, path[ANGLE]);
 }
 
 /** The speeds of a move for a time, in their proportion, within the robot's own limits. */
@@ -338,13 +328,12 @@ static void obey_own_limits(roburoc4_move *m, const roburoc4_move_view *v) {
 
 /** Twice the time of the profile, and 3 s. */
 static uint32_t timeout_ms(const roburoc4_move *m, float profile_s) {
+    const float seconds =
+        m->private_kind == FOR ? 1000 * seconds_of(m->private_duration_ms) : profile_s;
     return m->private_options.timeout_ms != 0 ? m->private_options.timeout_ms
            : m->private_kind == REST          ? 5000
-           : m->private_kind == FOR
-               ? (m->private_duration_ms > 1000000000U ? NO_TIMEOUT
-                                                       : 2 * m->private_duration_ms + 3000)
-           : beyond(profile_s, 1e6F) ? NO_TIMEOUT
-                                     : 3000 + (uint32_t)(int32_t)(2000 * profile_s);
+           : beyond(seconds, 1e6F)            ? NO_TIMEOUT
+                                              : 3000 + (uint32_t)(int32_t)(2000 * seconds);
 }
 
 /* ------------------------------------------------------------------------------------ odometry */
@@ -360,7 +349,7 @@ static float seconds_in(uint32_t cycles) {
 
 /** Count a distance and an angle; `across_m` is to the left. */
 static void cover(roburoc4_move *m, float distance_m, float across_m, float angle_rad) {
-    const float along_m = distance_m * roburoc4_move_stretch(m, LENGTH);
+    const float along_m = distance_m * roburoc4_move_stretch(m);
     const float half_turned = 0.5F * (angle_rad - curvature(m) * along_m);
     m->private_aside_m += distance_m * sine_of(astray(m) + half_turned) + across_m;
     m->private_covered[LENGTH] += along_m;
@@ -408,9 +397,8 @@ static bool note_pose(roburoc4_move *m, const roburoc4_move_view *v, roburoc4_mo
         cover(m, distance_m * m->private_per_pose[LENGTH], across_m * m->private_per_pose[LENGTH],
               turned * m->private_per_pose[ANGLE]);
     }
-    news->moved = memcmp(pose, m->private_pose, sizeof pose) != 0;
-    news->repeated = !news->moved;
-    news->prompt = news->moved && passed <= m->private_pose_gap + 1U;
+    const bool repeated = memcmp(pose, m->private_pose, sizeof pose) == 0;
+    news->prompt = !repeated && passed <= m->private_pose_gap + 1U;
     news->ahead_s = seconds_in((uint32_t)(v->pose_cycles - m->private_speed_cycles));
     note_gap(m, passed);
     m->private_pose_cycles = v->pose_cycles;
@@ -439,21 +427,17 @@ static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
     float covered[BOTH];
     m->private_quiet_cycles = count_on(m->private_quiet_cycles, passed);
     m->private_same_cycles = count_on(m->private_same_cycles, passed);
-    if (m->private_still < UINT8_MAX) {
-        m->private_still++;
-    }
+    const float stretch[BOTH] = {roburoc4_move_stretch(m), 1};
     const bool measured = is_finite(speeds[LENGTH]) && is_finite(speeds[ANGLE]);
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         const float speed = is_finite(speeds[axis]) ? speeds[axis] : 0;
         covered[axis] = 0.5F * (speed + m->private_speed[axis]) * passed_s;
-        m->private_by_speeds[axis] += covered[axis] * roburoc4_move_stretch(m, axis);
+        m->private_by_speeds[axis] += covered[axis] * stretch[axis];
         m->private_speed[axis] = speed;
     }
     m->private_unmeasured = !measured;
     note_standing(m, passed);
-    if (!measured || roburoc4_move_rolls(m)) {
-        m->private_still = 0;
-    }
+    m->private_still = measured && !roburoc4_move_rolls(m) ? count_on(m->private_still, 1) : 0;
     m->private_speed_cycles = v->speed_cycles;
     if (!m->private_posed) {
         cover(m, covered[LENGTH], 0, covered[ANGLE]);
@@ -465,11 +449,12 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
                       uint64_t now_us) {
     const float sent[BOTH] = {v->sent_linear_m_s, v->sent_angular_rad_s};
     const float passed_s = seconds_of(passed_us);
-    roburoc4_move_news news = {v->speed_cycles != m->private_speed_cycles, false, false, false, 0};
+    const float stretch[BOTH] = {roburoc4_move_stretch(m), 1};
+    roburoc4_move_news news = {v->speed_cycles != m->private_speed_cycles, false, 0};
     const bool pose =
         m->private_posed && v->pose_cycles != 0 && v->pose_cycles != m->private_pose_cycles;
     for (uint32_t i = 0; i < BOTH; i++) {
-        m->private_commanded[i] += passed_s * sent[i] * roburoc4_move_stretch(m, i);
+        m->private_commanded[i] += passed_s * sent[i] * stretch[i];
         m->private_lagging[i] +=
             passed_s / LAGGING_S * (m->private_commanded[i] - m->private_lagging[i]);
     }
@@ -477,17 +462,16 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
         note_speeds(m, v);
         m->private_heard_us = now_us;
     }
-    if (pose) {
+    if (pose || !m->private_posed) {
         m->private_pose_us = now_us;
     }
     if (!m->private_posed) {
-        news.moved = news.prompt = news.speeds;
+        news.prompt = news.speeds;
     } else if (v->relocalized != m->private_relocalized || (pose && !note_pose(m, v, &news))) {
         return false;
     }
-    const float late_s = seconds_of((uint32_t)(now_us - m->private_heard_us));
-    if (roburoc4_move_axis_learn(m, passed_s, late_s, news) && m->private_kind < FOR &&
-        !m->private_rolls) {
+    const float late_s = seconds_of(now_us - m->private_heard_us);
+    if (roburoc4_move_axis_learn(m, passed_s, late_s, news) && has_goal(m) && !m->private_rolls) {
         m->private_rolls = INTERRUPTED;
     }
     return true;
@@ -500,8 +484,8 @@ static uint8_t direction(const roburoc4_move *m) {
     const float goal = to_place(m) ? 1 : m->private_goal[LENGTH];
     const float next = m->private_ready ? m->linear_m_s : goal;
     const float speed = m->private_speed[LENGTH];
-    const int32_t sign = order_of(beyond(speed, 0.05F) ? speed : next);
-    return sign > 0 ? AHEAD : sign < 0 ? ASTERN : 0;
+    const float way = beyond(speed, 0.05F) ? speed : next;
+    return is_zero(way) ? 0 : negative(way) ? ASTERN : AHEAD;
 }
 
 /** What is in the way; or what a move with a clearance needs and does not see. The robot still
@@ -510,7 +494,7 @@ static uint8_t direction(const roburoc4_move *m) {
 static int32_t blocked(roburoc4_move *m, const roburoc4_move_view *v) {
     const float clearance_m = m->private_options.clearance_m;
     const float speed = magnitude(m->private_speed[LENGTH]);
-    const float brakes_m = order_of(v->max_linear_m_s2) > 0 /* as hard as the robot may */
+    const float brakes_m = positive(v->max_linear_m_s2) /* as hard as the robot may */
                                ? 0.5F * speed * speed / v->max_linear_m_s2
                                : 0;
     const float needed_m = clearance_m + roburoc4_move_axis_rolls(m) + brakes_m +
@@ -522,21 +506,21 @@ static int32_t blocked(roburoc4_move *m, const roburoc4_move_view *v) {
     const uint8_t sides = direction(m);
     for (uint32_t i = 0; i < 2; i++) {
         const uint8_t side = (uint8_t)(AHEAD << i);
-        if (pressed[i] == 0) {
+        if (!pressed[i]) {
             m->private_bumpers &= (uint8_t)~side; /* those pressed since the beginning */
-        } else if (((sides | ~m->private_bumpers) & side) != 0) {
+        } else if ((sides | ~m->private_bumpers) & side) {
             return ROBUROC4_MOVE_BUMPER;
         }
     }
-    for (int32_t i = 0; i < 2 && order_of(clearance_m) > 0; i++) {
-        if (bumper_known[i] == 0) {
+    for (int32_t i = 0; i < 2 && !is_zero(clearance_m); i++) {
+        if (!bumper_known[i]) {
             return ROBUROC4_MOVE_NO_FRONT_BUMPER + i;
         }
-        if ((sides >> i & 1) != 0) {
-            if (known[i] == 0 || v->distance_age_us > SILENCE_US) {
+        if (sides >> i & 1) {
+            if (!known[i] || v->distance_age_us > SILENCE_US) {
                 return ROBUROC4_MOVE_NO_FRONT_TELEMETER + i;
             }
-            if (m->private_ready && order_of(nearer(FAR_M, distances_m[i])) < order_of(needed_m)) {
+            if (m->private_ready && less(nearer(FAR_M, distances_m[i]), needed_m)) {
                 return ROBUROC4_MOVE_OBSTACLE;
             }
         }
@@ -549,30 +533,18 @@ static bool disagree(uint32_t axis, float distance, float a, float b) {
     const float way = beyond(a, magnitude(distance)) ? magnitude(a) : magnitude(distance);
     const float most = disagreement[axis] + DISAGREEMENT_SHARE * way;
     const float low = lesser(a, b), high = a + b - low;
-    return order_of(distance) > order_of(high + most) || order_of(distance) < order_of(low - most);
+    return less(high + most, distance) || less(distance, low - most);
 }
 
-/** The three witnesses: what was commanded, what the speeds say, what the pose says. The robot
- * follows commands late: it is between them and what they were. */
-static bool witnesses_disagree(const roburoc4_move *m) {
+/** The three witnesses: what was commanded, what the speeds say, what the pose says. The robot is
+ * between what was commanded and what it follows: as late as robots may be, or at once. */
+static bool witnesses_disagree(const roburoc4_move *m, const float *follows) {
     for (uint32_t axis = 0; axis < BOTH; axis++) {
-        const float speeds = m->private_by_speeds[axis];
-        const float commanded = m->private_commanded[axis], lagging = m->private_lagging[axis];
-        if (disagree(axis, m->private_covered[axis], speeds, speeds) ||
-            (!m->private_rolls && (disagree(axis, speeds, commanded, lagging) ||
-                                   disagree(axis, m->private_covered[axis], commanded, lagging)))) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/** The same of a robot at rest, which follows nothing late any more. */
-static bool stands_elsewhere(const roburoc4_move *m) {
-    for (uint32_t axis = 0; axis < BOTH; axis++) {
+        const float speeds = m->private_by_speeds[axis], covered = m->private_covered[axis];
         const float commanded = m->private_commanded[axis];
-        if (disagree(axis, m->private_by_speeds[axis], commanded, commanded) ||
-            disagree(axis, m->private_covered[axis], commanded, commanded)) {
+        if (disagree(axis, covered, speeds, speeds) ||
+            (!m->private_rolls && (disagree(axis, speeds, commanded, follows[axis]) ||
+                                   disagree(axis, covered, commanded, follows[axis])))) {
             return true;
         }
     }
@@ -623,35 +595,36 @@ static bool stuck(roburoc4_move *m, uint32_t passed_us) {
     return m->private_stood_us > STUCK_US;
 }
 
+/** Why a planned move cannot go on. */
+static int32_t hindered(roburoc4_move *m, const roburoc4_move_view *v, uint32_t passed_us,
+                        uint64_t now_us) {
+    const int32_t seen = blocked(m, v);
+    return seen != ROBUROC4_MOVE_RUNNING                  ? seen
+           : has_goal(m) && stuck(m, passed_us)           ? ROBUROC4_MOVE_INHIBITED
+           : strays(m)                                    ? ROBUROC4_MOVE_OFF_COURSE
+           : !witnesses_disagree(m, m->private_lagging)   ? ROBUROC4_MOVE_RUNNING
+           : now_us - m->private_pose_us > SILENCE_US / 3 ? ROBUROC4_MOVE_LOST
+           : m->private_stood_cycles > STOOD_CYCLES / 3   ? ROBUROC4_MOVE_INHIBITED
+                                                          : ROBUROC4_MOVE_ODOMETRY;
+}
+
 /** Reasons to end the move, whether it has arrived or not. */
 static int32_t reason_to_end(roburoc4_move *m, const roburoc4_move_view *v, uint32_t passed_us,
                              uint64_t now_us) {
+    const bool rest = m->private_kind == REST;
     int32_t outcome = ROBUROC4_MOVE_RUNNING;
-    if (v->overridden && (v->armed || m->private_kind == REST)) {
+    if (v->overridden && (v->armed || rest)) {
         outcome = ROBUROC4_MOVE_OVERRIDE;
-    } else if (m->private_kind == REST) {
-        outcome = ROBUROC4_MOVE_RUNNING;
-    } else if (v->inhibited) {
+    } else if (v->inhibited && !rest) {
         outcome = ROBUROC4_MOVE_INHIBITED;
-    } else if (!v->armed) {
+    } else if (!v->armed && !rest) {
         m->cause = v->disarm_cause;
         outcome = outcome_of(m->cause);
-    } else if (m->private_ready) {
-        outcome = blocked(m, v);
-        if (outcome == ROBUROC4_MOVE_RUNNING && m->private_kind < FOR && stuck(m, passed_us)) {
-            outcome = ROBUROC4_MOVE_INHIBITED;
-        } else if (outcome == ROBUROC4_MOVE_RUNNING && strays(m)) {
-            outcome = ROBUROC4_MOVE_OFF_COURSE;
-        } else if (outcome == ROBUROC4_MOVE_RUNNING && witnesses_disagree(m)) {
-            const bool silent = m->private_posed && now_us - m->private_pose_us > SILENCE_US / 3;
-            outcome = silent                                       ? ROBUROC4_MOVE_LOST
-                      : m->private_stood_cycles > STOOD_CYCLES / 3 ? ROBUROC4_MOVE_INHIBITED
-                                                                   : ROBUROC4_MOVE_ODOMETRY;
-        }
+    } else if (m->private_ready && !rest) {
+        outcome = hindered(m, v, passed_us, now_us);
     }
     return outcome != ROBUROC4_MOVE_RUNNING ? outcome
-           : now_us - m->private_heard_us > SILENCE_US ||
-                   (m->private_posed && now_us - m->private_pose_us > SILENCE_US)
+           : now_us - m->private_heard_us > SILENCE_US || now_us - m->private_pose_us > SILENCE_US
                ? ROBUROC4_MOVE_LOST
            : m->private_timeout_ms != NO_TIMEOUT &&
                    now_us - m->private_begun_us >= (uint64_t)m->private_timeout_ms * 1000U
@@ -680,12 +653,11 @@ static float steer(const roburoc4_move *m) {
 
 /** The share of its speeds that a move for a time has now: up, along and down again in time. */
 static float share_for(roburoc4_move *m, float passed_s, uint64_t now_us) {
-    if (m->private_first_us == 0 && order_of(passed_s) > 0) {
+    if (m->private_first_us == 0 && positive(passed_s)) {
         m->private_first_us = now_us;
     }
     const uint64_t end_us = m->private_first_us + (uint64_t)m->private_duration_ms * 1000U;
-    const uint64_t left_us = now_us < end_us ? end_us - now_us : 0;
-    const float left_s = left_us < INT32_MAX ? seconds_of((uint32_t)left_us) : FAR_M;
+    const float left_s = now_us < end_us ? seconds_of(end_us - now_us) : 0;
     float slope = FAR_M;
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         const float speed = magnitude(m->private_goal[axis]);
@@ -700,7 +672,7 @@ static bool rolls(roburoc4_move *m, uint64_t now_us) {
     if (m->private_rolls == ROLLED && !halted(m)) {
         m->private_begun_us = now_us; /* it may take as long as it takes */
     }
-    if (m->private_rolls && halted(m) && rests(m)) {
+    if (m->private_rolls && rests(m)) {
         if (m->private_rolls == INTERRUPTED) {
             for (uint32_t axis = 0; axis < BOTH; axis++) { /* nobody followed the rest */
                 m->private_commanded[axis] = m->private_lagging[axis] = m->private_by_speeds[axis];
@@ -742,16 +714,15 @@ static void propose(roburoc4_move *m, float passed_s, uint64_t now_us) {
 /** At the goal of the leg, and about to stay there. */
 static bool arrived(const roburoc4_move *m) {
     return halted(m) && !m->private_unmeasured &&
-           (m->private_kind == REST  ? rests(m)
-            : m->private_kind == FOR ? rests(m) && m->private_first_us != 0
-                                     : !m->private_rolls && roburoc4_move_axis_arrived(m));
+           (has_goal(m) ? !m->private_rolls && roburoc4_move_axis_arrived(m)
+                        : rests(m) && (m->private_kind == REST || m->private_first_us != 0));
 }
 
 /* ------------------------------------------------------------------------------------ one step */
 
 /** How much of a command the robot follows already; nothing if one of them is no number. */
 static float followed(float sent, float speed) {
-    const bool along = (order_of(sent) < 0) == (order_of(speed) < 0);
+    const bool along = negative(sent) == negative(speed);
     return is_finite(sent) && is_finite(speed) && along
                ? with_sign(lesser(magnitude(sent), magnitude(speed)), sent)
                : 0;
@@ -766,7 +737,8 @@ static float factor(float true_per_pose) {
 static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     if (!m->private_begun) {
         m->private_begun = 1;
-        m->private_begun_us = m->private_heard_us = m->private_step_us = now_us;
+        m->private_begun_us = m->private_step_us = now_us;
+        m->private_heard_us = m->private_pose_us = now_us;
         m->private_timeout_ms = NO_TIMEOUT;
         m->private_bumpers = AHEAD | ASTERN;
     }
@@ -844,10 +816,11 @@ int32_t roburoc4_move_advance(roburoc4_move *m, const roburoc4_move_view *v, uin
             propose(m, seconds_of(passed_us), now_us);
         }
         if (arrived(m)) {
-            outcome = m->private_kind < FOR && stands_elsewhere(m) ? ROBUROC4_MOVE_ODOMETRY
-                      : off_course(m)                              ? ROBUROC4_MOVE_OFF_COURSE
-                      : next_leg(m)                                ? ROBUROC4_MOVE_RUNNING
-                                                                   : ROBUROC4_MOVE_REACHED;
+            outcome = has_goal(m) && witnesses_disagree(m, m->private_commanded)
+                          ? ROBUROC4_MOVE_ODOMETRY
+                      : off_course(m) ? ROBUROC4_MOVE_OFF_COURSE
+                      : next_leg(m)   ? ROBUROC4_MOVE_RUNNING
+                                      : ROBUROC4_MOVE_REACHED;
         }
     }
     return outcome == ROBUROC4_MOVE_RUNNING ? outcome : roburoc4_move_end(m, outcome);

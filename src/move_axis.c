@@ -26,8 +26,8 @@ enum { COMMANDED, COVERED, SIGNALS };
 enum { STEADY, JOLTED = 4, SLOWER, FASTER };
 
 /* The constants below were found by a search on robots that were drawn at random between the
- * values of bench/family.c; but for `reached` and `slow`, which a move promises, and `pose_age`,
- * `jolt`, `stands` and `stood`, which were chosen. Lengths and speeds are in meters; radians are
+ * values of bench/family.c; but for `reached` and `slow`, which a move promises, and `jolt`,
+ * `stands` and `stood`, which were chosen. Lengths and speeds are in meters; radians are
  * `unit` times as many.
  *
  * What robots are like, and standard deviations of that; lag and bend grow together. */
@@ -55,8 +55,6 @@ enum { STEADY, JOLTED = 4, SLOWER, FASTER };
 #define APPROACH_S_PER_M 4.5F
 /* So late the manual's robot follows. */
 #define FOLLOWS_S 0.6F
-/* A pose that is repeated for longer is that of a robot that stands. */
-#define POSE_AGE_S 0.61F
 /* A speed is carried on for no longer, from its status to a pose or to now. */
 #define LATE_MOST_S 0.3F
 /* No command changes a speed so fast: something stopped the wheels, or let them go. What was
@@ -199,21 +197,21 @@ static void fit(roburoc4_move *m, float passed_s) {
 static bool falls(roburoc4_move *m, uint32_t axis) {
     const float sent = axis == LENGTH ? m->linear_m_s : m->angular_rad_s;
     const float told = magnitude(sent), speed = with_sign(1, sent) * m->private_speed[axis];
-    const int8_t side = order_of(sent) < 0 ? -1 : 1;
+    const int8_t side = negative(sent) ? -1 : 1;
     const float stands = STANDS * unit[axis];
     if (side != m->private_rolled || !beyond(told, 2 * stands)) {
         m->private_rolled = 0;
         m->private_peak = m->private_told = 0;
     }
-    if (beyond(told, 2 * stands) && order_of(speed) > order_of(stands)) {
+    if (beyond(told, 2 * stands) && less(stands, speed)) {
         m->private_rolled = side;
     }
     if (m->private_rolled == 0) {
         return false;
     }
-    const bool brakes = order_of(told) < order_of(m->private_told);
+    const bool brakes = less(told, m->private_told);
     m->private_told = brakes ? m->private_told : told;
-    m->private_peak = order_of(speed) < order_of(m->private_peak) ? m->private_peak : speed;
+    m->private_peak = less(speed, m->private_peak) ? m->private_peak : speed;
     const float fallen = m->private_peak - speed;
     const float most = FALL * unit[axis] + FALL_SHARE * m->private_peak;
     if (m->private_suspect < SUSPECTED) { /* one status may be noise */
@@ -221,7 +219,7 @@ static bool falls(roburoc4_move *m, uint32_t axis) {
         m->private_suspect = lower ? (uint8_t)(m->private_suspect + 1) : 0;
     }
     return (!brakes && beyond(fallen, most)) ||
-           (order_of(m->private_peak) > order_of(2 * stands) && !beyond(speed, stands));
+           (less(2 * stands, m->private_peak) && !beyond(speed, stands));
 }
 
 /** Whether something stopped the wheels, or lets them go. A single status may be noise. */
@@ -234,7 +232,7 @@ static uint8_t jolts(roburoc4_move *m, uint32_t axis) {
         m->private_measured = speed;
         m->private_same_cycles = 0;
     }
-    const uint8_t jumps = !beyond(change, most) ? STEADY : order_of(change) < 0 ? SLOWER : FASTER;
+    const uint8_t jumps = !beyond(change, most) ? STEADY : negative(change) ? SLOWER : FASTER;
     const uint8_t before = m->private_jolted;
     const bool fallen = falls(m, axis);
     if (before == SLOWER || before == FASTER) { /* unless the next status takes it back */
@@ -247,12 +245,11 @@ static uint8_t jolts(roburoc4_move *m, uint32_t axis) {
 }
 
 /** Where it is now: as far as the speeds say since the last pose whose age is known. */
-static float covers(roburoc4_move *m, float passed_s, float late_s, roburoc4_move_news news) {
+static float covers(roburoc4_move *m, float late_s, roburoc4_move_news news) {
     const uint32_t axis = roburoc4_move_axis(m);
     roburoc4_private_fit *f = &m->private_fit;
-    const float speed = m->private_speed[axis] * roburoc4_move_stretch(m, axis);
-    f->since_s = news.moved ? 0 : lesser(f->since_s + passed_s, POSE_AGE_S);
-    if (news.prompt || (news.repeated && order_of(f->since_s) >= order_of(POSE_AGE_S))) {
+    const float speed = m->private_speed[axis] * roburoc4_move_stretch(m);
+    if (news.prompt) {
         f->shift = m->private_covered[axis] - m->private_by_speeds[axis] -
                    within(news.ahead_s, LATE_MOST_S) * speed;
     }
@@ -264,7 +261,7 @@ bool roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, float late_s,
     const uint32_t axis = roburoc4_move_axis(m);
     roburoc4_private_fit *f = &m->private_fit;
     m->private_patience_s -= passed_s;
-    const float signals[SIGNALS] = {m->private_commanded[axis], covers(m, passed_s, late_s, news)};
+    const float signals[SIGNALS] = {m->private_commanded[axis], covers(m, late_s, news)};
     if (news.speeds) {
         m->private_jolted = jolts(m, axis);
     }
@@ -292,7 +289,7 @@ static float doubt(const roburoc4_move *m, float commanded) {
     const float(*spread)[FITS] = (const float(*)[FITS])m->private_fit.spread;
     const float square = commanded * (commanded * spread[GAIN][GAIN] + 2 * spread[GAIN][OFFSET]) +
                          spread[OFFSET][OFFSET];
-    return order_of(square) > 0 ? roburoc4_move_root(square) : 0;
+    return positive(square) ? roburoc4_move_root(square) : 0;
 }
 
 float roburoc4_move_axis_rolls(const roburoc4_move *m) {
@@ -317,15 +314,14 @@ static bool slow(const roburoc4_move *m) {
 static bool settled(const roburoc4_move *m) {
     const roburoc4_private_fit *f = &m->private_fit;
     const float *const covered = f->smooth[COVERED];
-    return order_of(f->numbers[BEND]) < order_of(SWINGS_S2) ||
-           order_of(m->private_patience_s) < 0 ||
+    return less(f->numbers[BEND], SWINGS_S2) || negative(m->private_patience_s) ||
            !beyond(covered[0] - covered[1], SETTLED * unit[roburoc4_move_axis(m)]);
 }
 
 /** How near its goal a robot is there: not so near if it turned back twice, or took long. */
 static float near_goal(const roburoc4_move *m) {
-    const bool enough = m->private_turned > 1 || order_of(m->private_patience_s) < 0;
-    return (enough ? LENIENT : 1) * unit[roburoc4_move_axis(m)];
+    const bool enough = m->private_turned > 1 || negative(m->private_patience_s);
+    return REACHED * (enough ? LENIENT : 1) * unit[roburoc4_move_axis(m)];
 }
 
 /** The speed from which it comes to rest in this distance: at constant deceleration far from the
@@ -340,20 +336,19 @@ static float bounded_by_goal(const roburoc4_move *m, float speed) {
     const uint32_t axis = roburoc4_move_axis(m);
     const float left = roburoc4_move_left(m, axis);
     const float towards = with_sign(1, left);
-    if (order_of(speed * towards) > 0) {
+    if (positive(speed * towards)) {
         const float rolls =
             m->private_suspect == SUSPECTED ? FOLLOWS_S * magnitude(m->private_speed[axis]) : 0;
-        const float room =
-            order_of(magnitude(left)) > order_of(rolls) ? magnitude(left) - rolls : 0;
+        const float room = beyond(left, rolls) ? magnitude(left) - rolls : 0;
         return within(speed, profile(room, m->private_slope[axis], APPROACH_S));
     }
-    return order_of(m->private_speed[axis] * towards) > order_of(SLOW * unit[axis]) ? speed : 0;
+    return less(SLOW * unit[axis], m->private_speed[axis] * towards) ? speed : 0;
 }
 
 /** How hard a move brakes: a robot that responds slowly would swing. */
 static float calm_slope(const roburoc4_move *m, uint32_t axis) {
     const float bend = m->private_fit.numbers[BEND];
-    return m->private_slope[axis] * (order_of(bend) > order_of(CALM_S2) ? CALM_S2 / bend : 1);
+    return m->private_slope[axis] * (less(CALM_S2, bend) ? CALM_S2 / bend : 1);
 }
 
 float roburoc4_move_axis_speed(roburoc4_move *m) {
@@ -365,17 +360,16 @@ float roburoc4_move_axis_speed(roburoc4_move *m) {
     const float goal = m->private_goal[axis], unsure = doubt(m, goal);
     const float caution = m->private_rested ? 0 : with_sign(CAUTION * unsure, goal);
     const float short_by = goal - rest_at(m) - caution, distance = magnitude(short_by / f->gain);
-    if (!is_finite(short_by) ||
-        !beyond(short_by, stands ? REACHED * near_goal(m) : HOLD * unit[axis])) {
+    if (!is_finite(short_by) || !beyond(short_by, stands ? near_goal(m) : HOLD * unit[axis])) {
         return 0;
     }
     const float time_s = APPROACH_S + APPROACH_S_PER_M * unsure / unit[axis];
     const float speed = lesser(profile(distance, slope, time_s), m->private_limit[axis]);
     /* It turns back once while the robot rolls, to brake, and once more from rest. */
-    const int8_t side = order_of(short_by) < 0 ? -1 : 1;
+    const int8_t side = negative(short_by) ? -1 : 1;
     if (side == -m->private_side) {
         if (m->private_turned > 1 || (m->private_turned && !stands) ||
-            !beyond(short_by, REACHED * near_goal(m))) {
+            !beyond(short_by, near_goal(m))) {
             return 0;
         }
         m->private_turned++;
@@ -387,7 +381,7 @@ float roburoc4_move_axis_speed(roburoc4_move *m) {
 bool roburoc4_move_axis_arrived(const roburoc4_move *m) {
     const uint32_t axis = roburoc4_move_axis(m);
     const float bound = near_goal(m), goal = m->private_goal[axis];
-    return slow(m) && settled(m) && !beyond(roburoc4_move_left(m, axis), REACHED * bound) &&
-           !beyond(goal - rest_at(m), REACHED * bound) &&
+    return slow(m) && settled(m) && !beyond(roburoc4_move_left(m, axis), bound) &&
+           !beyond(goal - rest_at(m), bound) &&
            !beyond(doubt(m, m->private_commanded[axis]), DOUBT_MOST * unit[axis]);
 }

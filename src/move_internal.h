@@ -18,16 +18,28 @@ enum { LENGTH, ANGLE, BOTH };
 /* Statuses that a move needs are older: it is lost. */
 #define SILENCE_US 1000000U
 
+static inline bool positive(float value) {
+    return order_of(value) > 0;
+}
+
+static inline bool negative(float value) {
+    return order_of(value) < 0;
+}
+
+static inline bool less(float a, float b) {
+    return order_of(a) < order_of(b);
+}
+
 static inline bool beyond(float value, float bound) {
-    return order_of(magnitude(value)) > order_of(bound);
+    return less(bound, magnitude(value));
 }
 
 static inline float lesser(float a, float b) {
-    return order_of(a) < order_of(b) ? a : b;
+    return less(a, b) ? a : b;
 }
 
 static inline float with_sign(float size, float sign) {
-    return order_of(sign) < 0 ? -size : size;
+    return negative(sign) ? -size : size;
 }
 
 static inline float within(float value, float bound) {
@@ -35,13 +47,18 @@ static inline float within(float value, float bound) {
 }
 
 /** Integers as floats and back are signed here: the others are more functions on small machines. */
-static inline float seconds_of(uint32_t span_us) {
+static inline float seconds_of(uint64_t span_us) {
     return (float)(int32_t)(span_us < INT32_MAX ? span_us : INT32_MAX) * 1e-6F;
 }
 
 /** The smaller of two distances; NaN counts as blocked. */
 static inline float nearer(float a, float b) {
     return is_finite(b) ? lesser(a, b) : 0;
+}
+
+/** It has a way to go, or a place; the others have a time, or come to rest. */
+static inline bool has_goal(const roburoc4_move *m) {
+    return m->private_kind < FOR;
 }
 
 /** What is left of the leg. */
@@ -59,9 +76,9 @@ int32_t roburoc4_move_advance(roburoc4_move *m, const roburoc4_move_view *v, uin
 int32_t roburoc4_move_end(roburoc4_move *m, int32_t outcome);
 /** What it proposed was not sent: begin from standing speeds again. */
 void roburoc4_move_hold(roburoc4_move *m);
-/** A robot beside its arc, or turned from it, comes along so many times as far as it drives; 1 for
- * angles. */
-float roburoc4_move_stretch(const roburoc4_move *m, uint32_t axis);
+/** A robot beside its line or arc, or turned from it, comes along so many times as far as it
+ * drives; else 1. */
+float roburoc4_move_stretch(const roburoc4_move *m);
 /** The last status shows a robot that moves. */
 bool roburoc4_move_rolls(const roburoc4_move *m);
 
@@ -78,10 +95,9 @@ void roburoc4_move_axis_begin(roburoc4_move *m);
 void roburoc4_move_axis_again(roburoc4_move *m);
 /** What the statuses of a step show. */
 typedef struct roburoc4_move_news {
-    bool speeds;   /* there is a status of speeds */
-    bool moved;    /* another pose than before (some robots compute it seldom, and repeat it) */
-    bool prompt;   /* that, and no status was lost before it, so it is no older than it looks */
-    bool repeated; /* the same pose as before */
+    bool speeds; /* there is a status of speeds */
+    bool prompt; /* another pose than before (some robots compute it seldom, and repeat it), and no
+                    status was lost before it, so it is no older than it looks */
     float ahead_s; /* by so much it is newer than the speeds */
 } roburoc4_move_news;
 
