@@ -143,6 +143,22 @@ static void drive(void) {
     watch();
 }
 
+static void renew(void) {
+    while (!drives) {
+        drive();
+    }
+    if (roburoc4_client_drive(&client, 0.3F, 0.1F, 0, now_us) < 0) {
+        die("a lease was not renewed");
+    }
+}
+
+static void read_facts(void) {
+    roburoc4_facts facts;
+    if (roburoc4_client_facts(&client, now_us, ROBUROC4_SIZED(&facts)) < 0) {
+        die("no facts");
+    }
+}
+
 static int robot_fd = -1;
 
 static void open_robot(void) {
@@ -194,6 +210,8 @@ static const struct {
     {"receive-iocard", receive_iocard},
     {"receive-battery", receive_battery},
     {"poll-idle", poll_idle},
+    {"renew", renew},
+    {"facts", read_facts},
     {"watching", watch},
     {"driving", drive},
     {"udp-differential", receive_udp},

@@ -14,6 +14,8 @@ CALLS = {
     "receive-iocard": "receive an IO card's status",
     "receive-battery": "receive a battery status",
     "poll-idle": "poll with nothing due",
+    "renew": "renew a lease",
+    "facts": "read the facts",
     "watching": "all calls for each status, watching",
     "driving": "all calls for each status, driving",
     "udp-differential": "differential status through the UDP adapter",

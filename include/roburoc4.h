@@ -41,8 +41,9 @@
  *               header gets the fields that it knows; ROBUROC4_SIZED() sets the size.
  *   NULL        a pointer must be valid unless its comment says that it may be NULL.
  *   Cost        receive() of a status takes at most 420 instructions on x86-64, of a differential
- *               one 360, and poll_transmit() 50 if nothing is due (bench/client-cost). No heap, no
- *               recursion, at most 400 bytes of stack on a Cortex-M0 (bench/footprint).
+ *               one 360, poll_transmit() 50 if nothing is due, drive() that renews 450, facts() 950
+ *               (bench/client-cost). No heap, no recursion, at most 400 bytes of stack on a
+ *               Cortex-M0 (bench/footprint).
  *
  * OPTIONS OF A BUILD
  *

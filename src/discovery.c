@@ -318,8 +318,8 @@ static int32_t role_by_table(uint32_t role, int32_t count) {
 
 /** The input that is [A] by the manual's table, on a card like the manual's; else -1. */
 static int32_t pad_by_table(const int32_t *io_counts) {
-    const int32_t analog = io_counts[ROBUROC4_IO_ANALOG_INPUT];
-    if ((analog != ROBUROC4_AI_COUNT && analog != ROBUROC4_AI_COUNT + 1) ||
+    if (roburoc4_table_index(ROBUROC4_IO_ANALOG_INPUT, io_counts[ROBUROC4_IO_ANALOG_INPUT], 0) <
+            0 ||
         io_counts[ROBUROC4_IO_ANALOG_OUTPUT] != ROBUROC4_AO_COUNT ||
         io_counts[ROBUROC4_IO_DIGITAL_OUTPUT] != ROBUROC4_DO_COUNT) {
         return -1;

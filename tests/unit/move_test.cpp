@@ -390,6 +390,39 @@ TEST_F(Moving, TheRobotsOwnAccelerationsCountWhereLower) {
     EXPECT_LE(most_linear, 0.4 + 1e-6) << "the lower one of both ways";
 }
 
+TEST_F(Moving, TheRobotsOwnTurnsCountWhereLower) {
+    for (const float weaker : {1.0F, 0.5F, 2.0F}) { /* to the left, by those to the right */
+        robot_config.max_angular_rad_s = 0.2F * std::max(weaker, 1.0F);
+        robot_config.min_angular_rad_s = -0.2F * std::max(1 / weaker, 1.0F);
+        robot_config.max_angular_rad_s2 = 0.3F * std::max(weaker, 1.0F);
+        robot_config.min_angular_rad_s2 = -0.3F * std::max(1 / weaker, 1.0F);
+        connect_and_arm();
+        float before = 0, steepest = 0;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0, 1, &options));
+        ASSERT_EQ(ROBUROC4_MOVE_REACHED, go([&] {
+                      steepest = std::max(steepest, std::fabs(move.angular_rad_s - before));
+                      before = move.angular_rad_s;
+                  }));
+        EXPECT_NEAR(0.2, most_angular, 0.001) << weaker;
+        EXPECT_NEAR(0.3F * 0.01F, steepest, 3e-4F) << weaker;
+        roburoc4_world_destroy(world);
+        world = nullptr;
+    }
+}
+
+TEST_F(Move, APlaceIsWorthDrivingToFromTwoCentimetres) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, 0.05, 0, &options));
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, go());
+    EXPECT_NEAR(0.05, ahead(), 0.01);
+    const roburoc4_sim_state here = state();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_pose(&move, here.odometry_x_m,
+                                                 here.odometry_y_m + 0.008, 1, &options));
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, go());
+    EXPECT_NEAR(1, wrapped(state().true_theta_rad), 1 * degree);
+    EXPECT_EQ(0, most_linear) << "it turned in place";
+    EXPECT_LT(most_turned, 1.02) << "the short way";
+}
+
 TEST_F(Moving, LimitsAndOdometryOfARobotThatCountsTwiceAreHalf) {
     robot_config.max_linear_m_s2 = 0.4F;
     robot_config.min_linear_m_s2 = -0.4F;
@@ -866,11 +899,13 @@ class MoveView : public testing::Test {
             theta_rad += turned;
             now_us += cycle_us;
             if (us == status_us) {
-                view.linear_m_s = static_cast<float>(way) * move.linear_m_s;
-                view.angular_rad_s = static_cast<float>(turn) * move.angular_rad_s + turning_rad_s;
-                view.x_m = x_m;
+                side = -side;
+                view.linear_m_s = static_cast<float>(way) * move.linear_m_s + side * shaking_m_s;
+                view.angular_rad_s = static_cast<float>(turn) * move.angular_rad_s + turning_rad_s +
+                                     side * shaking_rad_s;
+                view.x_m = x_m + double{side * shaken};
                 view.y_m = y_m;
-                view.theta_rad = theta_rad;
+                view.theta_rad = theta_rad + double{side * shaken};
                 view.speed_cycles = view.pose_cycles += status_us / cycle_us;
             }
             roburoc4_move_step_view(&move, &view, now_us);
@@ -879,6 +914,8 @@ class MoveView : public testing::Test {
     }
     double x_m = 0, y_m = 0, theta_rad = 0;
     float turning_rad_s = 0; /* not commanded */
+    /* something shakes it: what is added to one status, and taken from the next */
+    float side = 1, shaking_m_s = 0, shaking_rad_s = 0, shaken = 0;
     roburoc4_move move{};
     roburoc4_move_view view{};
     roburoc4_move_options options{};
@@ -923,6 +960,7 @@ TEST_F(MoveView, AMoveToAPointWaitsASecondForThePose) {
     view.pose_cycles = 0;
     EXPECT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step_view(&move, &view, now_us));
     EXPECT_EQ(0, move.linear_m_s);
+    EXPECT_EQ(0, move.remaining_m);
     EXPECT_EQ(ROBUROC4_MOVE_LOST, roburoc4_move_step_view(&move, &view, now_us + second + 1));
 }
 
@@ -1061,6 +1099,190 @@ TEST_F(MoveView, ALineIsNotReachedWhileTheRobotTurns) {
     for (int i = 0; i < 20 && follow() == ROBUROC4_MOVE_RUNNING; i++) {
     }
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.outcome);
+}
+
+TEST_F(MoveView, IsReachedByARobotThatIsSlowOnEitherAxis) {
+    const std::tuple<float, float, float, std::int32_t> rows[] = {
+        {0, 0.02F, 0.09F, ROBUROC4_MOVE_REACHED},
+        {0, 0, 0.11F, ROBUROC4_MOVE_TIMEOUT},
+        {1, 0.05F, 0.04F, ROBUROC4_MOVE_REACHED},
+        {1, 0.07F, 0, ROBUROC4_MOVE_TIMEOUT},
+        {1, 0, 0.06F, ROBUROC4_MOVE_TIMEOUT}};
+    shaken = 0.0015F; /* or it would be stuck */
+    for (const auto &[turn, linear_m_s, angular_rad_s, outcome] : rows) {
+        shaking_m_s = linear_m_s;
+        shaking_rad_s = angular_rad_s;
+        x_m = theta_rad = view.x_m = view.theta_rad = 0;
+        view.linear_m_s = view.angular_rad_s = 0;
+        view.sent_linear_m_s = view.sent_angular_rad_s = 0;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0.5F * (1 - turn), turn, nullptr));
+        step();
+        while (follow() == ROBUROC4_MOVE_RUNNING) {
+        }
+        EXPECT_EQ(outcome, move.outcome) << turn << " " << linear_m_s << " " << angular_rad_s;
+    }
+}
+
+/** Its speeds are too noisy to show rest. */
+TEST_F(MoveView, GivesUpAfterTwiceItsProfileAndThreeSeconds) {
+    const auto ramps = [](double way, double speed, double slope) {
+        return way / speed + speed / slope;
+    };
+    const double to_corner = ramps(std::sqrt(2), 0.3, 0.5) + ramps(pi / 4, 0.5, 1);
+    const std::pair<double, std::function<roburoc4_result()>> rows[] = {
+        {ramps(1, 0.3, 0.5), [&] { return roburoc4_move_by(&move, -1, 0, &options); }},
+        {2 * std::sqrt(0.1 / 0.5), [&] { return roburoc4_move_by(&move, 0.1F, 0, &options); }},
+        {ramps(1, 0.5, 1), [&] { return roburoc4_move_by(&move, 0, -1, &options); }},
+        {ramps(0.5, 0.5 / 6, 1.0 / 6), [&] { return roburoc4_move_by(&move, 0.5F, 3, &options); }},
+        {ramps(0.5, 0.5 / 6, 1.0 / 6), [&] { return roburoc4_move_by(&move, -0.5F, 3, &options); }},
+        {ramps(2, 0.3, 0.5), [&] { return roburoc4_move_by(&move, 2, 0.1F, &options); }},
+        {to_corner, [&] { return roburoc4_move_to_point(&move, 1, -1, &options); }},
+        {to_corner + pi / 4 / 0.5, [&] { return roburoc4_move_to_pose(&move, 1, 1, 0, &options); }},
+        {to_corner + pi / 2 / 0.5,
+         [&] { return roburoc4_move_to_pose(&move, 1, 1, -pi / 4, &options); }},
+        {to_corner, [&] { return roburoc4_move_to_pose(&move, 1, 1, pi / 4, &options); }},
+        {2, [&] { return roburoc4_move_for(&move, 0.3F, 0, 2000, &options); }},
+        {1, [&] { return roburoc4_move_rest(&move, &options); }}};
+    shaking_m_s = 0.04F;
+    shaking_rad_s = 0.07F;
+    shaken = 0.0015F;
+    for (const auto &[profile_s, begin] : rows) {
+        x_m = y_m = theta_rad = view.x_m = view.y_m = view.theta_rad = 0;
+        view.linear_m_s = view.angular_rad_s = 0;
+        view.sent_linear_m_s = view.sent_angular_rad_s = 0;
+        ASSERT_EQ(ROBUROC4_OK, begin());
+        step();
+        const std::uint64_t begun_us = now_us;
+        while (follow() == ROBUROC4_MOVE_RUNNING) {
+        }
+        EXPECT_EQ(ROBUROC4_MOVE_TIMEOUT, move.outcome) << profile_s;
+        EXPECT_NEAR(2 * profile_s + 3, 1e-6 * static_cast<double>(now_us - begun_us), 0.08);
+    }
+}
+
+TEST_F(MoveView, ARobotThatRollsOnAndOnIsGivenUp) {
+    view.pose_cycles = 0;
+    view.linear_m_s = 0.2F;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0.3F, 0, &options));
+    const std::uint64_t begun_us = now_us;
+    while (move.outcome == ROBUROC4_MOVE_RUNNING) {
+        ASSERT_LT(now_us, begun_us + 7 * second);
+        now_us += 50000;
+        view.speed_cycles += 5;
+        roburoc4_move_step_view(&move, &view, now_us);
+    }
+    EXPECT_EQ(ROBUROC4_MOVE_TIMEOUT, move.outcome);
+}
+
+TEST_F(MoveView, WhatIsLeftIsExactFromAnyPose) {
+    const auto seed = std::random_device{}();
+    std::printf("seed %u\n", seed);
+    std::mt19937 random(seed);
+    const auto draw = [&random](double most) {
+        return std::uniform_real_distribution<double>(-most, most)(random);
+    };
+    for (int i = 0; i < 300; i++) {
+        const double way = 0.5 + std::fabs(draw(100)), bearing = draw(pi);
+        view.x_m = draw(i % 2 == 0 ? 1e6 : 10);
+        view.y_m = draw(i % 2 == 0 ? 1e6 : 10);
+        view.theta_rad = i % 3 == 0 ? draw(50) : bearing; /* it may look there */
+        const double x = view.x_m + way * std::cos(bearing), y = view.y_m + way * std::sin(bearing);
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, x, y, nullptr));
+        for (int k = 0; k < 60 && move.remaining_m == 0; k++) {
+            ASSERT_EQ(ROBUROC4_MOVE_RUNNING, step());
+            ASSERT_NEAR(wrapped(bearing - view.theta_rad), move.remaining_rad,
+                        i % 3 == 0 ? 5e-4 : 1e-2);
+            if (i % 3 == 0)
+                break;
+        }
+        if (i % 3 != 0)
+            ASSERT_NEAR(way, move.remaining_m, 1e-4 * (1 + way));
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_pose(&move, view.x_m, view.y_m, draw(12), nullptr));
+        const double theta = double{move.private_goal[1]};
+        (void)step();
+        ASSERT_NEAR(0, wrapped(theta - view.theta_rad - double{move.remaining_rad}), 5e-4);
+    }
+}
+
+TEST_F(MoveView, WayAndAngleAreExactInAnyDirection) {
+    const auto seed = std::random_device{}();
+    std::printf("seed %u\n", seed);
+    std::mt19937 random(seed);
+    const auto draw = [&random](double most) {
+        return std::uniform_real_distribution<double>(-most, most)(random);
+    };
+    for (int i = 0; i < 300; i++) {
+        const double heading = draw(9), pace = draw(0.015), across = draw(0.005),
+                     turns = draw(0.02);
+        const bool arc = i % 2 == 0;
+        view.x_m = draw(100);
+        view.y_m = draw(100);
+        view.theta_rad = heading;
+        view.linear_m_s = view.angular_rad_s = 0;
+        ASSERT_EQ(
+            ROBUROC4_OK,
+            roburoc4_move_by(&move, std::copysign(3.0F, static_cast<float>(pace)), 0, nullptr));
+        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        for (int k = 0; k < 8; k++) {
+            const double middle = view.theta_rad + (arc ? turns / 2 : 0);
+            view.x_m += pace * std::cos(middle) - across * std::sin(middle);
+            view.y_m += pace * std::sin(middle) + across * std::cos(middle);
+            view.theta_rad += arc ? turns : 0;
+            ASSERT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        }
+        ASSERT_NEAR(8 * pace, move.distance_m, 1e-4);
+        ASSERT_NEAR(arc ? 8 * turns : 0, move.angle_rad, 1e-4);
+    }
+}
+
+TEST_F(MoveView, FarBesideItsLineOrTurnedFromItItIsOffCourse) {
+    for (const int way : {0, 1}) {
+        for (const float side : {1.0F, -1.0F}) {
+            view.x_m = view.y_m = view.theta_rad = 0;
+            view.angular_rad_s = view.sent_angular_rad_s = 0;
+            ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 3, 0, nullptr));
+            ASSERT_EQ(ROBUROC4_MOVE_RUNNING, step());
+            double most = 0;
+            while (step() == ROBUROC4_MOVE_RUNNING && most < 2) {
+                most += 0.05;
+                (way == 0 ? view.y_m : view.theta_rad) += double{side} * 0.05;
+                view.angular_rad_s = view.sent_angular_rad_s = way == 0 ? 0 : side;
+            }
+            EXPECT_EQ(ROBUROC4_MOVE_OFF_COURSE, move.outcome) << way;
+            EXPECT_NEAR(way == 0 ? 0.5 : 1, most, 0.11) << way;
+        }
+    }
+}
+
+/** What is nearer than the clearance is too near before it moves, too. */
+TEST_F(MoveView, BeginsNotTowardsWhatIsNearerThanItsClearance) {
+    for (const bool ahead : {true, false}) {
+        view.front_m = ahead ? 0.49F : 9;
+        view.rear_m = ahead ? 9 : 0.49F;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, ahead ? 0.3F : -0.3F, 0, nullptr));
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        EXPECT_EQ(ROBUROC4_MOVE_OBSTACLE, step()) << "before it can have moved";
+        (ahead ? view.front_m : view.rear_m) = 0.56F;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, ahead ? 0.03F : -0.03F, 0, nullptr));
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        EXPECT_NE(0, move.linear_m_s);
+    }
+}
+
+TEST_F(MoveView, ASteepStartIsNoJolt) {
+    options.linear_m_s = options.linear_m_s2 = 3;
+    options.angular_rad_s = options.angular_rad_s2 = 3;
+    for (const float turn : {0.0F, 1.0F}) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 6 * (1 - turn), 6 * turn, &options));
+        step();
+        const std::uint64_t begun_us = now_us;
+        while (follow(150000) == ROBUROC4_MOVE_RUNNING) {
+        }
+        EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.outcome);
+        EXPECT_LT(1e-6 * static_cast<double>(now_us - begun_us), 2 * 3) << turn;
+    }
 }
 
 TEST_F(MoveView, BumpersThatAreNotKnownMustBeRenounced) {
@@ -1221,22 +1443,24 @@ TEST_F(MoveView, HoweverFarItStraysItTurnsBackWithinTheLimit) {
 }
 
 TEST_F(MoveView, ItReturnsToItsLineForwardAndBackward) {
-    for (const float way_m : {2.0F, -2.0F}) {
-        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, way_m, 0, nullptr));
+    for (const auto &[way_m, side] :
+         {std::pair(2.0F, 1.0F), {2.0F, -1.0F}, {-2.0F, 1.0F}, {-2.0F, -1.0F}}) {
         view.y_m = 0;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, way_m, 0, nullptr));
         for (int i = 0; i < 3; i++)
             step();
-        view.y_m = 0.1; /* to the left, heading along the line */
+        view.y_m = 0.1 * double{side}; /* to the left or right, heading along the line */
         step();
         step();
         ASSERT_EQ(ROBUROC4_MOVE_RUNNING, move.outcome);
-        EXPECT_LT(way_m * move.angular_rad_s, -0.01F) << way_m;
+        EXPECT_LT(way_m * side * move.angular_rad_s, -0.01F) << way_m;
         for (int i = 0; i < 3; i++) {
-            view.y_m += 0.1;
+            view.y_m += 0.1 * double{side};
             step();
         }
         ASSERT_EQ(ROBUROC4_MOVE_RUNNING, move.outcome);
-        EXPECT_NEAR(std::fabs(move.angular_rad_s), 0.4F * 0.2F, 0.005F) << "not at right angles";
+        EXPECT_NEAR(-way_m * side * move.angular_rad_s, 2 * 0.4F * 0.2F, 0.01F)
+            << "not at right angles";
     }
 }
 
