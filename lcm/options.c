@@ -129,7 +129,7 @@ enum { LINEAR, ANGULAR };
  * command line, otherwise the file's value. */
 typedef struct known_option {
     const char *name;
-    char letter; /* 0: none */
+    char letter; /* or NO_LETTER */
     int has_value;
     int pass;
     enum place place;
@@ -501,14 +501,14 @@ static bool set_pose(reading *reading, const known_option *option, const char *v
 #define MAX_LINEAR_MM_S ((uint32_t)(ROBUROC4_MAX_DRIVE_M_S * 1000))
 #define MAX_ANGULAR_MRAD_S ((uint32_t)(ROBUROC4_MAX_DRIVE_RAD_S * 1000))
 
+#define NO_LETTER '\0'
 /* With a value, and without one: yes or no in the file. */
 #define VALUE(name, letter, pass, place, set)                                                      \
     { name, letter, required_argument, pass, place, set, 0, 0, 0 }
 #define NUMBER(name, set, which, min, max)                                                         \
-    { name, 0, required_argument, PASS_SETTINGS, FOR_EACH, set, which, min, max }
+    { name, NO_LETTER, required_argument, PASS_SETTINGS, FOR_EACH, set, which, min, max }
 #define FLAG(name, letter, place, set, which)                                                      \
     { name, letter, no_argument, PASS_SETTINGS, place, set, which, 0, 0 }
-#define NO_LETTER '\0'
 
 /* Options without a setter end the reading. */
 static const known_option known[] = {

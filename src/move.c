@@ -420,14 +420,13 @@ static void note_standing(roburoc4_move *m, uint32_t passed) {
 }
 
 /** A differential status: add the distance since the last one. */
-static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
+static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v, const float *stretch) {
     const float speeds[BOTH] = {v->linear_m_s, v->angular_rad_s};
     const uint32_t passed = cycles_from(m->private_speed_cycles, v->speed_cycles);
     const float passed_s = seconds_in(passed);
     float covered[BOTH];
     m->private_quiet_cycles = count_on(m->private_quiet_cycles, passed);
     m->private_same_cycles = count_on(m->private_same_cycles, passed);
-    const float stretch[BOTH] = {roburoc4_move_stretch(m), 1};
     const bool measured = is_finite(speeds[LENGTH]) && is_finite(speeds[ANGLE]);
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         const float speed = is_finite(speeds[axis]) ? speeds[axis] : 0;
@@ -459,7 +458,7 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
             passed_s / LAGGING_S * (m->private_commanded[i] - m->private_lagging[i]);
     }
     if (news.speeds) {
-        note_speeds(m, v);
+        note_speeds(m, v, stretch);
         m->private_heard_us = now_us;
     }
     if (pose || !m->private_posed) {

@@ -142,8 +142,7 @@ void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind, uint32_
     }
 }
 
-/* The count of tries has 8 bits: it goes back by MANUAL_ID_EVERY here, so that 0x01 keeps its turn.
- */
+/* The count of tries has 8 bits. Here it goes back, so that 0x01 keeps its turn. */
 #define TRIES_WRAP (41 * MANUAL_ID_EVERY)
 
 static bool id_in_use(const requests *r, uint8_t id) {

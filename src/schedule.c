@@ -11,7 +11,8 @@
 /* Given up after 2.5 s (at the default first_retry_ms); a probe asks again later. */
 #define REQUEST_TRIES 5
 #define FIRST_STATUS_SERVICE ROBUROC4_SERVICE_IOCARD
-/* A refusal that does not name its request holds up texts, so this long passes until the next. */
+/* A refusal that does not name its request holds up texts, so what was refused is asked again only
+ * after this long. */
 #define DECLINED_US (30 * SECOND)
 /* A pose that was not sent within this time is sent only to a robot at rest; one that is accepted
  * after POSE_TAKEN_US counts only of such a robot. */

@@ -3,12 +3,12 @@
  * Limits: scale, then optionally keep the curve, then clamp; NaN and infinity are never sent.
  */
 #include "client_bench.h"
+#include "drawn.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
-#include <string>
 
 using namespace roburoc4_tests;
 
@@ -91,9 +91,7 @@ TEST(Limits, ScaleComesBeforeTheClamp) {
 }
 
 TEST(Limits, ScaledSpeedsAreRoundedAsFloatsAre) {
-    const unsigned seed = std::random_device()();
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    std::mt19937 random(seed);
+    std::mt19937_64 random(drawn_seed());
     std::uniform_real_distribution<float> scale(0.01F, 10), speed(-0.25F, 0.25F);
     for (int i = 0; i < 300; i++) {
         roburoc4_config config = unlimited_config();

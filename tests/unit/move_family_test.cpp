@@ -6,11 +6,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <functional>
-#include <random>
 
+#include "drawn.h"
 #include "family.h"
+
+using roburoc4_tests::Drawn;
+using roburoc4_tests::drawn_seed;
 
 namespace {
 
@@ -88,8 +90,7 @@ class MoveFault : public testing::Test {
 
 /** Robots that had hardly begun to follow when they were stopped. */
 TEST(MoveRest, IsReachedByARobotThatWillNotMoveAnyMore) {
-    std::uint64_t state = std::random_device{}();
-    std::printf("seed %llu\n", static_cast<unsigned long long>(state));
+    std::uint64_t state = drawn_seed();
     for (int i = 0; i < 200; i++) {
         family_member member = family_member_drawn(&state);
         member.noise_m_s = 0;
@@ -161,8 +162,7 @@ TEST_F(MoveFault, ACommandThatIsNotFollowedYetIsTakenBack) {
 }
 
 TEST_F(MoveFault, AnEmptyPlainHasNoObstacle) {
-    std::uint64_t state = std::random_device{}();
-    std::printf("seed %llu\n", static_cast<unsigned long long>(state));
+    std::uint64_t state = drawn_seed();
     options.linear_m_s = 1;
     for (int i = 0; i < 150; i++) {
         family_member member = family_member_drawn(&state);
@@ -261,8 +261,7 @@ TEST_F(MoveFault, ComingToRestTakesNoneOfItsTime) {
 }
 
 TEST_F(MoveFault, WaitsForACommandThatIsNotFollowedYet) {
-    std::uint64_t state = std::random_device{}();
-    std::printf("seed %llu\n", static_cast<unsigned long long>(state));
+    std::uint64_t state = drawn_seed();
     int reached = 0;
     for (std::uint32_t i = 0; i < 200; i++) {
         const family_member member = family_member_drawn(&state);
@@ -279,8 +278,7 @@ TEST_F(MoveFault, WaitsForACommandThatIsNotFollowedYet) {
 }
 
 TEST_F(MoveFault, APoseIsReachedByARobotThatRolled) {
-    std::uint64_t state = std::random_device{}();
-    std::printf("seed %llu\n", static_cast<unsigned long long>(state));
+    std::uint64_t state = drawn_seed();
     for (std::uint32_t i = 0; i < 100; i++) {
         family_member member = family_member_drawn(&state);
         member.natural_rad_s = 2.5;
@@ -323,31 +321,26 @@ TEST_F(MoveFault, ARobotThatIsHeldNearItsGoalIsInhibited) {
 
 class MoveInACurve : public MoveFault {
   protected:
-    MoveInACurve() {
-        std::printf("seed %llu\n", static_cast<unsigned long long>(state));
-    }
-    double between(double low, double high) {
-        return std::uniform_real_distribution<double>(low, high)(draw);
-    }
     void draw_robot() {
         family_member member = family_member_drawn(&state);
         if (state % 2 == 0)
             member.natural_rad_s = 0;
         ASSERT_EQ(1, family_open(&rig, &member, state));
         rig.loss = 0;
-        rig.robot.turning_rad_s = between(1.5, 8);
+        rig.robot.turning_rad_s = drawn.between(1.5, 8);
     }
-    std::uint64_t state = std::random_device{}();
-    std::mt19937_64 draw{state};
+    std::uint64_t state = drawn_seed();
+    Drawn drawn{state};
 };
 
 /** A person nearby takes a robot that stands for done. */
 TEST_F(MoveInACurve, NeverStandsForLongAndThenGoesOn) {
     for (int i = 0; i < 300; i++) {
         draw_robot();
-        const float length_m = static_cast<float>(between(0.4, 3));
-        const float angle_rad = static_cast<float>(between(-3, 3));
-        const double from_s = between(0, 6), span_s = i % 2 == 0 ? between(0.05, 0.8) : 0;
+        const float length_m = static_cast<float>(drawn.between(0.4, 3));
+        const float angle_rad = static_cast<float>(drawn.between(-3, 3));
+        const double from_s = drawn.between(0, 6),
+                     span_s = i % 2 == 0 ? drawn.between(0.05, 0.8) : 0;
         const double begun_s = 1e-3 * rig.now_ms;
         double moved_s = begun_s;
         (void)by(length_m, angle_rad, [&] {
@@ -367,7 +360,7 @@ TEST_F(MoveInACurve, IsReachedOnItsArcOnly) {
     int beside = 0;
     for (int i = 0; i < 600; i++) {
         draw_robot();
-        const double length_m = between(0.4, 3), angle_rad = between(0.3, 3);
+        const double length_m = drawn.between(0.4, 3), angle_rad = drawn.between(0.3, 3);
         const double x_m = rig.robot.x_m, y_m = rig.robot.y_m,
                      left = rig.robot.theta_rad + 90 * degree;
         const double radius_m = length_m / angle_rad;
@@ -385,9 +378,9 @@ TEST_F(MoveInACurve, IsReachedOnItsArcOnly) {
 TEST_F(MoveInACurve, DrivesNoFartherThanItsWay) {
     for (int i = 0; i < 300; i++) {
         draw_robot();
-        const double length_m = between(0.5, 10), angle_rad = between(-12, 12);
-        options.linear_m_s = static_cast<float>(between(0.3, 1));
-        options.angular_rad_s = static_cast<float>(between(0.3, 1.5));
+        const double length_m = drawn.between(0.5, 10), angle_rad = drawn.between(-12, 12);
+        options.linear_m_s = static_cast<float>(drawn.between(0.3, 1));
+        options.angular_rad_s = static_cast<float>(drawn.between(0.3, 1.5));
         (void)by(static_cast<float>(length_m), static_cast<float>(angle_rad));
         EXPECT_LT(drove(), 1.3 * length_m + 0.5) << i;
         EXPECT_GT(drove(), -0.5) << i;
@@ -399,9 +392,10 @@ TEST_F(MoveInACurve, ForATimeIsNoFaultOfOdometry) {
     for (int i = 0; i < 200; i++) {
         draw_robot();
         ASSERT_EQ(ROBUROC4_OK,
-                  roburoc4_move_for(&move, static_cast<float>(between(-1, 1)),
-                                    static_cast<float>(between(-1, 1)),
-                                    static_cast<std::uint32_t>(between(1000, 6000)), &options));
+                  roburoc4_move_for(&move, static_cast<float>(drawn.between(-1, 1)),
+                                    static_cast<float>(drawn.between(-1, 1)),
+                                    static_cast<std::uint32_t>(drawn.between(1000, 6000)),
+                                    &options));
         const std::int32_t outcome = go();
         EXPECT_NE(ROBUROC4_MOVE_ODOMETRY, outcome) << i;
         reached += outcome == ROBUROC4_MOVE_REACHED;
@@ -416,18 +410,15 @@ TEST_F(MoveInACurve, ForATimeIsNoFaultOfOdometry) {
 class MoveInterrupted : public MoveFault {
   protected:
     void interrupt_moves(std::uint64_t state) {
-        std::mt19937_64 draw(state);
-        const auto between = [&draw](double low, double high) {
-            return std::uniform_real_distribution<double>(low, high)(draw);
-        };
+        Drawn drawn(state);
         far = furthest = reached = 0;
         mean_m = 0;
         for (int i = 0; i < moves; i++) {
             const family_member member = i % 3 == 0 ? nominal : family_member_drawn(&state);
             ASSERT_EQ(1, family_open(&rig, &member, state));
             const bool turn = i % 2 != 0;
-            const double way = between(0.5, 3), speed = between(0.2, 1);
-            const double from_s = between(0, way / speed), span_s = between(0.02, 0.9);
+            const double way = drawn.between(0.5, 3), speed = drawn.between(0.2, 1);
+            const double from_s = drawn.between(0, way / speed), span_s = drawn.between(0.02, 0.9);
             const double begun_s = 1e-3 * rig.now_ms;
             options.linear_m_s = options.angular_rad_s = static_cast<float>(speed);
             const auto interrupt = [&] {
@@ -453,8 +444,7 @@ class MoveInterrupted : public MoveFault {
 };
 
 TEST_F(MoveInterrupted, GoesNoFurtherThanItsGoal) {
-    const std::uint64_t state = std::random_device{}();
-    std::printf("seed %llu\n", static_cast<unsigned long long>(state));
+    const std::uint64_t state = drawn_seed();
     interrupt_moves(state);
     EXPECT_LE(furthest, 1) << "of 300: 1 of 18,000 was found";
     EXPECT_LE(far, 8) << "of 300: 51 of 18,000 were found";
@@ -764,10 +754,7 @@ TEST_F(MoveFault, DegreesAndSpeedsBeyondAnyRobotAreRefused) {
 }
 
 TEST(MoveFamily, ADrawnSampleOfRobotsMovesAsItShould) {
-    const char *given = std::getenv("ROBUROC4_SEED");
-    std::uint64_t seed =
-        given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
-    std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
+    std::uint64_t seed = drawn_seed();
     constexpr int sample = 300;
     int fine = 0;
     for (int i = 0; i < sample; i++) {

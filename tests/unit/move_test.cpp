@@ -18,7 +18,10 @@
 #include <vector>
 
 #include "client_bench.h"
+#include "drawn.h"
 #include "roburoc4_sim.h"
+
+using roburoc4_tests::Drawn;
 
 namespace {
 
@@ -316,12 +319,10 @@ TEST_F(Move, CirclesCloseHoweverUnevenlyTheyAreStepped) {
 
 TEST_F(Move, APointIsReachedFromAnyPose) {
     double points[12][2];
-    const auto seed = std::random_device{}();
-    std::printf("seed %u\n", seed);
-    std::mt19937 random(seed);
+    Drawn drawn;
     for (auto &point : points)
         for (double &place : point)
-            place = std::uniform_real_distribution<double>(-2, 2)(random);
+            place = drawn.within(2);
     for (const auto &point : points) {
         const double way = std::atan2(point[1] - state().true_y_m, point[0] - state().true_x_m);
         ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, point[0], point[1], &options));
@@ -1175,17 +1176,12 @@ TEST_F(MoveView, ARobotThatRollsOnAndOnIsGivenUp) {
 }
 
 TEST_F(MoveView, WhatIsLeftIsExactFromAnyPose) {
-    const auto seed = std::random_device{}();
-    std::printf("seed %u\n", seed);
-    std::mt19937 random(seed);
-    const auto draw = [&random](double most) {
-        return std::uniform_real_distribution<double>(-most, most)(random);
-    };
+    Drawn drawn;
     for (int i = 0; i < 300; i++) {
-        const double way = 0.5 + std::fabs(draw(100)), bearing = draw(pi);
-        view.x_m = draw(i % 2 == 0 ? 1e6 : 10);
-        view.y_m = draw(i % 2 == 0 ? 1e6 : 10);
-        view.theta_rad = i % 3 == 0 ? draw(50) : bearing; /* it may look there */
+        const double way = 0.5 + std::fabs(drawn.within(100)), bearing = drawn.within(pi);
+        view.x_m = drawn.within(i % 2 == 0 ? 1e6 : 10);
+        view.y_m = drawn.within(i % 2 == 0 ? 1e6 : 10);
+        view.theta_rad = i % 3 == 0 ? drawn.within(50) : bearing; /* it may look there */
         const double x = view.x_m + way * std::cos(bearing), y = view.y_m + way * std::sin(bearing);
         ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, x, y, nullptr));
         for (int k = 0; k < 60 && move.remaining_m == 0; k++) {
@@ -1197,7 +1193,8 @@ TEST_F(MoveView, WhatIsLeftIsExactFromAnyPose) {
         }
         if (i % 3 != 0)
             ASSERT_NEAR(way, move.remaining_m, 1e-4 * (1 + way));
-        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_pose(&move, view.x_m, view.y_m, draw(12), nullptr));
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_move_to_pose(&move, view.x_m, view.y_m, drawn.within(12), nullptr));
         const double theta = double{move.private_goal[1]};
         (void)step();
         ASSERT_NEAR(0, wrapped(theta - view.theta_rad - double{move.remaining_rad}), 5e-4);
@@ -1205,18 +1202,13 @@ TEST_F(MoveView, WhatIsLeftIsExactFromAnyPose) {
 }
 
 TEST_F(MoveView, WayAndAngleAreExactInAnyDirection) {
-    const auto seed = std::random_device{}();
-    std::printf("seed %u\n", seed);
-    std::mt19937 random(seed);
-    const auto draw = [&random](double most) {
-        return std::uniform_real_distribution<double>(-most, most)(random);
-    };
+    Drawn drawn;
     for (int i = 0; i < 300; i++) {
-        const double heading = draw(9), pace = draw(0.015), across = draw(0.005),
-                     turns = draw(0.02);
+        const double heading = drawn.within(9), pace = drawn.within(0.015),
+                     across = drawn.within(0.005), turns = drawn.within(0.02);
         const bool arc = i % 2 == 0;
-        view.x_m = draw(100);
-        view.y_m = draw(100);
+        view.x_m = drawn.within(100);
+        view.y_m = drawn.within(100);
         view.theta_rad = heading;
         view.linear_m_s = view.angular_rad_s = 0;
         ASSERT_EQ(

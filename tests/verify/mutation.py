@@ -29,14 +29,6 @@ TEST_S = 60
 MEMORY_BYTES = 2 << 30
 
 
-def changes(file: Path, mutate: str) -> list[str]:
-    """Each changed version of a file that universalmutator makes."""
-    with tempfile.TemporaryDirectory() as folder:
-        command = [mutate, str(file), "c", "--noCheck", "--mutantDir", folder]
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, cwd=folder)
-        return sorted({path.read_text() for path in Path(folder).iterdir()})
-
-
 WORDS = re.compile(r'\s*("([^"\\]|\\.)*"\s*)+[,;)]*\s*')
 COMPARISON = re.compile(r"==|!=|<=|>=|<|>")
 
@@ -52,6 +44,16 @@ def counts(before: str, after: str) -> bool:
     if COMPARISON.sub("?", old) != COMPARISON.sub("?", new) or not changed:
         return True
     return changed[0] == {"==", "!="} or changed[0].isdisjoint({"==", "!="})
+
+
+def changes(file: Path, mutate: str) -> list[str]:
+    """Each changed version of a file that universalmutator makes, and that counts."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [mutate, str(file), "c", "--noCheck", "--mutantDir", folder]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, cwd=folder)
+        before = file.read_text()
+        changed = {path.read_text() for path in Path(folder).iterdir()}
+        return sorted(text for text in changed if counts(before, text))
 
 
 def copy_sources(sources: list[Path], folder: Path) -> None:
@@ -158,12 +160,7 @@ def main() -> int:
         if sound is None or not pass_with(sound, options.program, Path(name)):
             sys.exit("mutation: the files as they are do not compile, or fail their tests")
 
-    mutants = [
-        (file, text)
-        for file in sources
-        for text in changes(file, os.path.abspath(options.mutate))
-        if counts(file.read_text(), text)
-    ]
+    mutants = [(f, text) for f in sources for text in changes(f, os.path.abspath(options.mutate))]
     random.Random(options.seed).shuffle(mutants)
     count = {"noticed": 0, "missed": 0, "invalid": 0, "same": 0}
     with ThreadPoolExecutor(os.cpu_count()) as pool:

@@ -121,7 +121,7 @@ class Control:
     # ---- taking and giving up ----
 
     def take(self, page: Viewer) -> None:
-        """Take control, unless another page has it."""
+        """Take control, which no other page has."""
         if not self.offered:
             raise ControlError("this dashboard only watches: start it with --enable-drive to drive")
         if self.driver is None:
