@@ -186,7 +186,7 @@ static void receive_udp(void) {
     }
     (void)poll(NULL, 0, ROBUROC4_CYCLE_US / 1000); /* no robot is ahead of real time */
     if (send(robot_fd, next_status(service, 1), sizes[service], 0) < 0 ||
-        roburoc4_udp_receive_one(&udp, &client, NULL, NULL) != ROBUROC4_UDP_USED) {
+        roburoc4_udp_receive(&udp, &client, NULL, NULL) != 1) {
         die("a status did not come through");
     }
 }

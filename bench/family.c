@@ -124,6 +124,10 @@ static void roll(family_robot *r) {
         r->pose[1] = r->odometry_y_m;
         r->pose[2] = r->odometry_theta_rad;
     }
+    if (r->now_ms % r->is.odometry_ms == 0 || !r->speeds_stand) {
+        r->reported[0] = r->speed[0] * r->scale_speeds;
+        r->reported[1] = r->speed[1] * r->scale_speeds;
+    }
 }
 
 static uint64_t cycles_of(const family_robot *r) {
@@ -168,9 +172,9 @@ static roburoc4_result status_of(family_robot *r, uint32_t service, uint8_t *out
                              2 * r->is.noise_m_s * normal(&r->random)};
     const roburoc4_differential_status speed = {cycles,
                                                 (float)r->target[0],
-                                                (float)(r->speed[0] + noise[0]),
+                                                (float)(r->reported[0] + noise[0]),
                                                 (float)r->target[1],
-                                                (float)(r->speed[1] + noise[1]),
+                                                (float)(r->reported[1] + noise[1]),
                                                 id,
                                                 {0, 0, 0}};
     return roburoc4_encode_differential_status(out, size, &speed);
@@ -341,7 +345,7 @@ void family_prepare(family_rig *rig, const family_member *member, uint64_t seed)
     r->is = *member;
     r->now_ms = 3000 + (uint32_t)(family_random(&seed) % 1000); /* the phases of its periods */
     r->random = seed;
-    r->scale_distance = r->scale_angle = 1;
+    r->scale_distance = r->scale_angle = r->scale_speeds = 1;
     r->flags = ROBUROC4_LOCALIZATION_PROPRIOCEPTIVE;
     r->telemeters = r->distances = 2;
     r->telemeter_rad[1] = (float)PI;
@@ -354,7 +358,8 @@ void family_connect(family_rig *rig, const roburoc4_config *given) {
     if (given != NULL) {
         config = *given;
     }
-    config.period_ms[ROBUROC4_SERVICE_LOCALIZATION] = period_ms;
+    config.period_ms[ROBUROC4_SERVICE_LOCALIZATION] =
+        rig->pose_ms > 0 ? (uint16_t)rig->pose_ms : period_ms;
     config.period_ms[ROBUROC4_SERVICE_DIFFERENTIAL] = period_ms;
     if (rig->robot.is.loss > 0) {
         config.fresh_ms = 1000; /* else several losses in a row disarm now and then */
@@ -442,7 +447,7 @@ family_verdict family_judge(const family_member *m, uint64_t seed, int strict) {
         return v;
     }
     roburoc4_move_options_init(&options, sizeof options);
-    options.linear_m_s = options.angular_rad_s = (float)m->speed;
+    options.max_linear_m_s = options.max_angular_rad_s = (float)m->speed;
     w.begin[0] = rig.robot.x_m;
     w.begin[1] = rig.robot.y_m;
     w.begin[2] = rig.robot.theta_rad;

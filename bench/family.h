@@ -49,12 +49,13 @@ typedef struct family_robot {
     /* where the wheels have taken it, and what it reports: a pose of `odometry_ms`, scaled */
     double x_m, y_m, theta_rad, distance_m;
     double odometry_x_m, odometry_y_m, odometry_theta_rad;
-    double pose[3];
-    int frozen;                         /* the pose does not change */
-    double scale_distance, scale_angle; /* of the reported pose */
-    uint32_t flags;                     /* of the localization */
-    uint64_t silent;                    /* services without statuses: bits 1 << service */
-    uint64_t unanswered;                /* services whose properties are never answered */
+    int speeds_stand; /* they are computed with the pose, not for each status */
+    double pose[3], reported[2];
+    int frozen;                                       /* the pose does not change */
+    double scale_distance, scale_angle, scale_speeds; /* of the reported pose, and speeds */
+    uint32_t flags;                                   /* of the localization */
+    uint64_t silent;     /* services without statuses: bits 1 << service */
+    uint64_t unanswered; /* services whose properties are never answered */
     /* its sensors */
     uint32_t telemeters, distances;
     float telemeter_rad[FAMILY_TELEMETERS];
@@ -72,6 +73,7 @@ typedef struct family_rig {
     family_robot robot;
     roburoc4_client client;
     uint32_t now_ms;
+    uint32_t pose_ms; /* between statuses of the pose; 0: as those of the speeds */
     double loss;
     /* what was commanded on the wire */
     uint32_t reversals, commands;

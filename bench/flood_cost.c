@@ -155,7 +155,7 @@ static const forgery forgeries[] = {
     {"longest-nonsense", nonsense, ROBUROC4_COUNT_UNMATCHED, NULL},
     {"foreign-answer", foreign_answer, ROBUROC4_COUNT_UNMATCHED, NULL},
     {"foreign-directory", foreign_directory, ROBUROC4_COUNT_UNMATCHED, NULL},
-    {"unknown-status", unknown_status, ROBUROC4_COUNT_UNSUBSCRIBED, NULL},
+    {"unknown-status", unknown_status, ROBUROC4_COUNT_UNEXPECTED_STATUS, NULL},
     {"old-status", old_status, ROBUROC4_COUNT_OLD, NULL},
     {"new-status", new_status, USED, NULL},
     {"blank-input-text", blank_text, USED, &input_text},

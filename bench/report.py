@@ -36,6 +36,8 @@ REASONS = {
     "receive a differential status": "a lapse is noticed before what it shows",
     "receive an IO card's status": "it decides about driving, and 20 a second are nothing",
     "receive a battery status": "each status proves ages and shows restarts",
+    "all calls for each status, watching": "each status proves ages",
+    "all calls for each status, driving": "ages, uplink and wheels are watched",
     "firmware that drives, linked": "it copes with robots that nobody has seen",
     "the same, without texts and statistics": "as above",
     "a metre, in a firmware that drives": "it learns the robot's response, in emulated floats",

@@ -57,10 +57,10 @@ static int application(uint32_t events, uint64_t now_us) {
         }
         break;
     case STOPPING:
-        if (events & ROBUROC4_EVENT_STOPPED) {
+        if (events & ROBUROC4_EVENT_STOP_CONFIRMED) {
             printf("%5.2f s  the robot obeys: its target is 0\n", now_s);
         }
-        return (events & ROBUROC4_EVENT_STOPPED) != 0;
+        return (events & ROBUROC4_EVENT_STOP_CONFIRMED) != 0;
     }
     return 0;
 }

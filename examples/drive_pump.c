@@ -50,7 +50,7 @@ int main(int argc, char **argv) {
         fprintf(stderr, "drive_pump: %s\n", roburoc4_result_text(result));
     }
     roburoc4_move_options_init(&options, sizeof options);
-    options.angular_rad_s = TURN_RATE_RAD_S;
+    options.max_angular_rad_s = TURN_RATE_RAD_S;
     puts("seconds,x_m,y_m,theta_rad");
     for (int turn = 0; result >= 0 && turn < 2; turn++) {
         roburoc4_move move;
@@ -60,7 +60,7 @@ int main(int argc, char **argv) {
         write_poses(&reader, stdout); /* what the pump has kept meanwhile: 10,000 samples */
         if (ended != ROBUROC4_MOVE_REACHED) {
             fprintf(stderr, "drive_pump: %s\n", roburoc4_move_outcome_text(ended));
-            result = ROBUROC4_ERR_STOPPED;
+            result = ROBUROC4_ERR_STOP_CALLED;
         }
     }
     roburoc4_pump_destroy(pump); /* stops the robot, where it drives */

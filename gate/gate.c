@@ -116,7 +116,8 @@ const char *gate_control_owner(const gate *gate, uint64_t now_us, size_t *length
 
 /* ----------------------------------------------------------------------------------- times --- */
 
-void gate_clock_was_set(gate *gate, gate_time now) {
+/* Forget all utimes. */
+static void forget(gate *gate, gate_time now) {
     gate->start = now;
     memset(gate->senders, 0, sizeof gate->senders);
     gate->owner = GATE_SENDERS;
@@ -130,7 +131,7 @@ int64_t gate_look_at_clock(gate *gate, gate_time now) {
     if (step_us <= GATE_CLOCK_SET_US && step_us >= -GATE_CLOCK_SET_US) {
         return 0;
     }
-    gate_clock_was_set(gate, now);
+    forget(gate, now);
     return step_us;
 }
 
@@ -229,7 +230,6 @@ static enum gate_verdict judge_robot(const gate *gate, const gate_command *comma
 static void give_control(gate *gate, uint32_t place, bool zero, uint64_t until_us) {
     gate->owner = zero ? GATE_SENDERS : place;
     gate->control_until_us = until_us;
-    gate->stopped = gate->stopped && zero;
 }
 
 static enum gate_verdict judge(gate *gate, const gate_command *command, const gate_robot *robot,

@@ -120,7 +120,7 @@ typedef struct gate {
     uint64_t control_until_us;
     uint64_t quiet_since_us; /* the last interruption, or request for a speed while waiting */
     uint32_t owner;          /* index of the sender in control, or GATE_SENDERS */
-    bool stopped;            /* by a stop command, and no speed was obeyed since */
+    bool stopped;            /* by a stop command, and no speed or move was obeyed since */
     char stopped_by[GATE_MAX_SENDER + 1];
     int64_t taken[GATE_KINDS];
     int64_t rejected[GATE_VERDICTS];
@@ -157,9 +157,8 @@ void gate_stop(gate *gate, const char *sender, size_t length, uint64_t now_us);
 void gate_hold(gate *gate, uint64_t now_us);
 /* The bridge hung from since_us until now and read nothing: that time does not count as a pause. */
 void gate_was_stalled(gate *gate, uint64_t since_us, uint64_t now_us);
-/* This machine's clock was set: forget all utimes. */
-void gate_clock_was_set(gate *gate, gate_time now);
-/* Whether the clock was set since the last call or the start, and by how much; 0: it was not. */
+/* By how much this machine's clock was set since the last call or the start; 0: it was not. If it
+ * was, all utimes are forgotten, and all senders must pause. */
 int64_t gate_look_at_clock(gate *gate, gate_time now);
 
 /* Call this before anything else, and then repeatedly. Returns true if more time has passed since

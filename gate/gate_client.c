@@ -41,7 +41,11 @@ static enum gate_verdict refuse(gate *gate, roburoc4_result result, uint64_t now
 
 enum gate_verdict gate_arm(gate *gate, roburoc4_client *client, uint64_t now_us) {
     const roburoc4_result result = roburoc4_client_arm(client, now_us);
-    return result < 0 ? refuse(gate, result, now_us) : GATE_TAKEN;
+    if (result < 0) {
+        return refuse(gate, result, now_us);
+    }
+    gate->stopped = false;
+    return GATE_TAKEN;
 }
 
 enum gate_verdict gate_drive(gate *gate, roburoc4_client *client, float linear_m_s,
@@ -59,6 +63,7 @@ enum gate_verdict gate_drive(gate *gate, roburoc4_client *client, float linear_m
     if (result < 0) {
         return refuse(gate, result, now_us);
     }
+    gate->stopped = gate->stopped && zero;
     gate_count_taken(gate, GATE_DRIVE);
     return GATE_TAKEN;
 }

@@ -107,8 +107,11 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_MAX_TELEMETERS 6
 /** The longest datagram that a client sends. */
 #define ROBUROC4_MAX_TRANSMIT 36
+/** A receive buffer of this size holds all that a client can use; the longest datagram of a
+ *  RobuROC4 has 65 bytes. */
+#define ROBUROC4_MAX_RECEIVE 1024
 
-/** States of a client; roburoc4_name() gives their names. */
+/** States of a client; roburoc4_name(ROBUROC4_NAME_STATE, state) gives their names. */
 #define ROBUROC4_STATE_IDLE 0        /* before start(), after close() */
 #define ROBUROC4_STATE_CONNECTING 1  /* asking for the directory */
 #define ROBUROC4_STATE_DISCOVERING 2 /* reading texts of the directory, then properties */
@@ -117,27 +120,29 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_STATE_LOST 5    /* was ready, fell silent: asking for the directory again */
 #define ROBUROC4_STATE_CLOSING 6 /* sending the last zero commands */
 
-/** Events are a set of bits: what changed since the last roburoc4_client_take_events().
+/** Events are a set of bits: what changed since the last roburoc4_client_take_events(), in no order
+ *  of time. roburoc4_name(ROBUROC4_NAME_EVENT, bit) explains one. For _OVERRIDE, _OTHER_COMMANDER
+ *  and _INHIBITED, the facts have which way: then use ROBUROC4_NAME_EVENT_BEGAN or _ENDED.
  *  Bit 31 stays free, so that a set of events is also a roburoc4_result. */
-#define ROBUROC4_EVENT_STATE 0x00000001        /* the state changed */
-#define ROBUROC4_EVENT_READY 0x00000002        /* became ready */
-#define ROBUROC4_EVENT_LOST 0x00000004         /* the robot fell silent */
-#define ROBUROC4_EVENT_REBOOT 0x00000008       /* the robot restarted, or seems to */
-#define ROBUROC4_EVENT_PROPERTIES 0x00000010   /* properties of a service are new or changed */
-#define ROBUROC4_EVENT_DESCRIPTION 0x00000020  /* a text arrived: roburoc4_client_description() */
-#define ROBUROC4_EVENT_IOCARD 0x00000040       /* a new status of this service */
-#define ROBUROC4_EVENT_TELEMETER 0x00000080    /* likewise */
-#define ROBUROC4_EVENT_BATTERY 0x00000100      /* likewise */
-#define ROBUROC4_EVENT_LOCALIZATION 0x00000200 /* likewise */
-#define ROBUROC4_EVENT_DIFFERENTIAL 0x00000400 /* likewise */
-#define ROBUROC4_EVENT_ARMED 0x00000800        /* became armed */
-#define ROBUROC4_EVENT_DISARMED 0x00001000     /* disarmed; see disarm_cause */
-#define ROBUROC4_EVENT_LAPSED 0x00002000       /* a lease expired before anything else disarmed */
-#define ROBUROC4_EVENT_STOPPED 0x00004000      /* a stop sequence ended, confirmed by the robot */
-#define ROBUROC4_EVENT_OVERRIDE 0x00008000     /* game pad [A] was pressed or released */
-#define ROBUROC4_EVENT_OTHER_COMMANDER 0x00010000   /* another client commands, or no longer */
-#define ROBUROC4_EVENT_INHIBITED 0x00020000         /* commanded but not moving, or no longer */
-#define ROBUROC4_EVENT_BATTERY_LOW 0x00040000       /* remaining fell below minimum_percent */
+#define ROBUROC4_EVENT_STATE 0x00000001          /* the state changed */
+#define ROBUROC4_EVENT_READY 0x00000002          /* became ready */
+#define ROBUROC4_EVENT_LOST 0x00000004           /* the robot fell silent */
+#define ROBUROC4_EVENT_REBOOT 0x00000008         /* the robot restarted, or seems to */
+#define ROBUROC4_EVENT_PROPERTIES 0x00000010     /* properties of a service are new or changed */
+#define ROBUROC4_EVENT_DESCRIPTION 0x00000020    /* a text arrived: roburoc4_client_description() */
+#define ROBUROC4_EVENT_IOCARD 0x00000040         /* a new status of this service */
+#define ROBUROC4_EVENT_TELEMETER 0x00000080      /* likewise */
+#define ROBUROC4_EVENT_BATTERY 0x00000100        /* likewise */
+#define ROBUROC4_EVENT_LOCALIZATION 0x00000200   /* likewise */
+#define ROBUROC4_EVENT_DIFFERENTIAL 0x00000400   /* likewise */
+#define ROBUROC4_EVENT_ARMED 0x00000800          /* became armed */
+#define ROBUROC4_EVENT_DISARMED 0x00001000       /* disarmed; see disarm_cause */
+#define ROBUROC4_EVENT_LAPSED 0x00002000         /* a lease expired before anything else disarmed */
+#define ROBUROC4_EVENT_STOP_CONFIRMED 0x00004000 /* the robot confirmed a stop */
+#define ROBUROC4_EVENT_OVERRIDE 0x00008000       /* game pad [A] was pressed or released */
+#define ROBUROC4_EVENT_OTHER_COMMANDER 0x00010000 /* another client commands, or no longer */
+#define ROBUROC4_EVENT_INHIBITED 0x00020000   /* it does not follow its commands, or does again */
+#define ROBUROC4_EVENT_BATTERY_LOW 0x00040000 /* remaining fell below minimum_percent */
 #define ROBUROC4_EVENT_BATTERY_CRITICAL 0x00080000  /* the battery's state became Critical */
 #define ROBUROC4_EVENT_RELOCALIZED 0x00100000       /* the robot accepted the new pose */
 #define ROBUROC4_EVENT_RELOCALIZE_FAILED 0x00200000 /* it did not; see relocalize_result */
@@ -148,14 +153,13 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_EVENT_DESCRIPTIONS_DONE 0x04000000 /* every text was answered or given up */
 #define ROBUROC4_EVENT_ROLE 0x08000000    /* a text identified the input for a ROBUROC4_ROLE_* */
 #define ROBUROC4_EVENT_ARMABLE 0x10000000 /* arm() would now be accepted */
-#define ROBUROC4_EVENT_STOP_UNCONFIRMED                                                            \
-    0x20000000 /* a stop sequence ended unconfirmed: see stop_outcome, until the next begins */
+#define ROBUROC4_EVENT_STOP_UNCONFIRMED 0x20000000 /* a stop sequence ended, not confirmed */
 
 /** How the last stop sequence ended: stop_outcome of roburoc4_facts. */
 #define ROBUROC4_STOP_NONE 0       /* none was sent yet */
-#define ROBUROC4_STOP_RUNNING 1    /* it has not ended, or waits until a service takes zeros */
+#define ROBUROC4_STOP_RUNNING 1    /* not ended, or waiting for the differential service */
 #define ROBUROC4_STOP_CONFIRMED 2  /* a status from well after the zeros shows both targets 0 */
-#define ROBUROC4_STOP_TIMED_OUT 3  /* robot_watchdog_ms passed, or nothing took zeros at the end */
+#define ROBUROC4_STOP_TIMED_OUT 3  /* robot_watchdog_ms passed, or no service accepted zeros */
 #define ROBUROC4_STOP_OVERRIDDEN 4 /* [A] was held, so the robot may have ignored the zeros */
 
 /** What an IO input is for, independent of its index. */
@@ -167,28 +171,30 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 
 /** In role_index: find the input by the robot's texts. The override is known once the robot gave or
  *  refused the text of every digital input, and exactly one text names [A]. If none does, the
- *  manual's table decides, provided that the robot refused that input's text and has as many
- *  channels as in the manual. Other roles are found by their text, else by the manual's table. A
+ *  manual's table is used, but only if the robot refused that input's text and has exactly the
+ *  manual's channel counts. Other roles are found by their text, else by the manual's table. A
  *  bumper may have several inputs. */
 #define ROBUROC4_INDEX_AUTO (-1)
 /** In iocard_id and differential_id: find the service. */
 #define ROBUROC4_ID_AUTO (-1)
 
 /** Bits of roburoc4_config.options. */
-/* preserve curvature: if a speed, or that of the outer wheels, exceeds its limit, reduce both by
- * the same factor */
-#define ROBUROC4_OPTION_TURN_KEEPING 0x01
-/* drive a robot of which no text names [A], such as one without a game pad. YOU know that nobody
- * will press [A]: the client does not see it. It waits until the text of every input was given,
- * refused, or asked for in vain, which takes up to 8 s for each; and, where it finds no IO card,
- * until every service of an unknown type has given or refused its own. Later it asks again for
- * those that did not come (in fixed-id mode, while it is not armed); once a text names [A], the
- * client disarms until it is sure of it, and then obeys it. An index of [A] that the card does not
- * have says that there is none. The card must be listed if iocard_id or an index of [A] is set, and
- * report its counts if it is; and the robot may list no more services than the client stores, and
- * have no more digital inputs */
+/* If a speed, or the linear one at the outer wheels, exceeds its limit, reduce both speeds by the
+ * same factor: the robot stays on its curve. Where the robot reports a limit of 0, that speed is 0,
+ * and the other one is kept. */
+#define ROBUROC4_OPTION_KEEP_CURVATURE 0x01
+/* Drive a robot of which no text names [A], such as one without a game pad. YOU know that nobody
+ * will press [A]: the client does not see it.
+ *   - Before it arms, the client asks for the text of every input, up to 8 s each; where it finds
+ *     no IO card, also for that of every service of an unknown type.
+ *   - Later it asks again for those that did not come (in fixed-id mode, while it is not armed).
+ *     Once a text names [A], the client disarms until that is certain, then obeys [A].
+ *   - To say "there is no [A]", set an index beyond the card's inputs. If iocard_id or an index of
+ *     [A] is set, the card must be listed; if an index is set, it must report its counts.
+ *   - It does not arm if the robot lists more services, or has more digital inputs, than the client
+ *     stores. */
 #define ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE 0x02
-/* stay armed when another client commands; also for a robot that reports ramped targets */
+/* Stay armed when another client commands; also for a robot that reports ramped targets. */
 #define ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER 0x04
 
 /** Settings of a client. Fill it with roburoc4_config_init(), then change what you need. */
@@ -204,7 +210,7 @@ typedef struct roburoc4_config {
     uint32_t first_retry_ms; /* first repeat of a request, doubling to 1 s; sooner where the round
                                 trip is known; 10 to 100; default 100 */
     uint32_t lost_ms;  /* silence after which the robot is lost; 200 to 60000; default 1000. Raised
-                          at run time to three times the shortest subscribed period */
+                          at run time to three times the shortest subscribed period, 3 s at most */
     uint32_t fresh_ms; /* a status whose greatest possible age exceeds this does not count for
                           driving; 50 to 1000; default 300 */
     uint32_t drive_period_ms;   /* period of drive commands; 10 to 500, at most half of lease_ms
@@ -212,16 +218,18 @@ typedef struct roburoc4_config {
     uint32_t lease_ms;          /* how long a drive command lasts; 20 to 1000; default 250 */
     uint32_t robot_watchdog_ms; /* the robot's own watchdog, bounds the stop sequence; 100 to 60000;
                                    default 1000 */
-    float max_linear_m_s;       /* ceiling of speed; 0.001 to 20; default 1.0 */
-    float max_angular_rad_s;    /* ceiling of turn rate; 0.001 to 50; default 1.5 */
-    float scale_linear;         /* drive() multiplies speeds by it; for moves, metres that the robot
-                                  reports for each real one; 0.01 to 10; default 1 */
+    float max_linear_m_s;       /* ceiling of speed, before and after scale_linear; 0.001 to 5;
+                                   default 1.0 */
+    float max_angular_rad_s;    /* ceiling of turn rate, likewise; 0.001 to 10; default 1.5 */
+    float scale_linear;         /* drive() multiplies speeds by it; for moves: reported metres per
+                                  real metre; 0.01 to 10; default 1 */
     float scale_angular;        /* likewise */
     uint32_t options;           /* ROBUROC4_OPTION_*; default 0 */
-    /** By ROBUROC4_ROLE_*: index of the input on the wire, at most 63 for a digital input and 15
-     *  for the analog one; or ROBUROC4_INDEX_AUTO (default). Messages, robot files and bindings
-     *  call them override_index, front_bumper_index, rear_bumper_index, battery_voltage_index. */
-    int16_t role_index[4];
+    /** By ROBUROC4_ROLE_* (the last four are not used): index of the input on the wire, at most 63
+     * for a digital input and 15 for the analog one; or ROBUROC4_INDEX_AUTO (default). Messages,
+     * robot files and bindings call them override_index, front_bumper_index, rear_bumper_index,
+     * battery_voltage_index. */
+    int16_t role_index[8];
     uint32_t lapse_disarm_ms; /* a lease that expired and was not renewed for this long disarms; 0
                                  to 60000; default 1000. What pause() ended stays armed */
     /** Ids of services on the wire, for a robot whose types and texts do not identify them; they
@@ -239,18 +247,18 @@ ROBUROC4_API roburoc4_result roburoc4_config_init(roburoc4_config *config, size_
 ROBUROC4_API const char *roburoc4_config_error(const roburoc4_config *config);
 
 /** Counters; they wrap around. */
-#define ROBUROC4_COUNT_RECEIVED 0     /* datagrams passed to receive() */
-#define ROBUROC4_COUNT_SENT 1         /* datagrams returned by poll_transmit() */
-#define ROBUROC4_COUNT_RETRIES 2      /* requests sent again */
-#define ROBUROC4_COUNT_SHORT 3        /* dropped: shorter than their layout */
-#define ROBUROC4_COUNT_MALFORMED 4    /* dropped: unknown kind or impossible value */
-#define ROBUROC4_COUNT_UNMATCHED 5    /* dropped: answers to no open request */
-#define ROBUROC4_COUNT_UNSUBSCRIBED 6 /* dropped: statuses without a subscription */
-#define ROBUROC4_COUNT_OLD 7          /* dropped: statuses not newer than the last */
-#define ROBUROC4_COUNT_SURPLUS 8      /* used, with surplus bytes at their end */
-#define ROBUROC4_COUNT_REFUSED 9      /* error answers */
-#define ROBUROC4_COUNT_ABANDONED 10   /* requests given up after all their tries */
-#define ROBUROC4_COUNT_LOST 11        /* times that the robot was lost */
+#define ROBUROC4_COUNT_RECEIVED 0          /* datagrams passed to receive() */
+#define ROBUROC4_COUNT_SENT 1              /* datagrams returned by poll_transmit() */
+#define ROBUROC4_COUNT_RETRIES 2           /* requests sent again */
+#define ROBUROC4_COUNT_SHORT 3             /* dropped: shorter than their layout */
+#define ROBUROC4_COUNT_MALFORMED 4         /* dropped: unknown kind or impossible value */
+#define ROBUROC4_COUNT_UNMATCHED 5         /* dropped: answers to no open request */
+#define ROBUROC4_COUNT_UNEXPECTED_STATUS 6 /* dropped: statuses without a subscription */
+#define ROBUROC4_COUNT_OLD 7               /* dropped: statuses not newer than the last */
+#define ROBUROC4_COUNT_SURPLUS 8           /* used, with surplus bytes at their end */
+#define ROBUROC4_COUNT_REFUSED 9           /* error answers */
+#define ROBUROC4_COUNT_ABANDONED 10        /* requests given up after all their tries */
+#define ROBUROC4_COUNT_LOST 11             /* times that the robot was lost */
 #define ROBUROC4_COUNT_REBOOTS 12
 #define ROBUROC4_COUNT_CLOCK_FAULTS 13
 #define ROBUROC4_COUNTERS 14
@@ -277,15 +285,15 @@ ROBUROC4_API roburoc4_result roburoc4_client_start(roburoc4_client *client, uint
 /** Begin to close: disarms, and stays in ROBUROC4_STATE_CLOSING until the stop sequence, if any,
  *  has ended. Keep calling receive() and poll_transmit() until the state is idle: it takes at most
  *  robot_watchdog_ms or three drive periods, and as long again if [A] is released meanwhile.
+ *  Further calls change nothing.
  * Subscriptions are kept, as other clients may share them: where none does, end them before with
  * roburoc4_client_subscribe(). ROBUROC4_ERR_STATE if idle. */
 ROBUROC4_API roburoc4_result roburoc4_client_close(roburoc4_client *client, uint64_t now_us);
 
 /** Process a datagram from the robot. The caller ensures that it comes from the robot (connect the
  *  socket). Returns 0 or more if it was used; ROBUROC4_ERR_SHORT, _KIND, _VALUE, _UNMATCHED,
- *  _UNSUBSCRIBED or _OLD if it was dropped and counted. A dropped datagram changes no value, but
- * even that may reveal a restart of the robot, or end its request. The longest of a RobuROC4 has 65
- * bytes; a receive buffer of 1024 holds all that a client can use. */
+ *  _UNEXPECTED_STATUS or _OLD if it was dropped and counted. A dropped datagram changes no value.
+ * It can still reveal a restart, or end a request. */
 ROBUROC4_API roburoc4_result roburoc4_client_receive(roburoc4_client *client,
                                                      const uint8_t *datagram, size_t size,
                                                      uint64_t now_us);
@@ -295,8 +303,8 @@ ROBUROC4_API roburoc4_result roburoc4_client_receive(roburoc4_client *client,
  *  ROBUROC4_MAX_TRANSMIT bytes always suffices; ROBUROC4_ERR_BUFFER sends nothing. */
 ROBUROC4_API roburoc4_result roburoc4_client_poll_transmit(roburoc4_client *client, uint8_t *buffer,
                                                            size_t capacity, uint64_t now_us);
-/** When to call poll_transmit() again if nothing happens before; UINT64_MAX if idle. A time in the
- *  past means now. */
+/** When to call poll_transmit() again if nothing happens before, on the clock of now_us; UINT64_MAX
+ *  if idle. A time in the past means now (a timerfd then needs at least 1 ns: 0 disarms it). */
 ROBUROC4_API uint64_t roburoc4_client_next_deadline(const roburoc4_client *client);
 /** Return and clear the ROBUROC4_EVENT_* bits since the last call. */
 ROBUROC4_API uint32_t roburoc4_client_take_events(roburoc4_client *client);
@@ -307,25 +315,30 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
 
 /* Motion. A drive command is a lease: the target holds for lease_us unless it is renewed. However
  * driving ends (lease over, pause, stop, or an automatic disarm), the stop sequence follows: zero
- * commands, one per drive period and at least three. It ends when a status shows both targets 0
- * that was made at least 160 ms after the robot answered a request sent after the first zero (an
- * earlier one might not show a speed from before), or when robot_watchdog_ms has passed. Nothing
- * confirms it while [A] is held or not known yet. It is sent again when [A] is released, and for as
- * long as a status of at most 2 s shows a target of ours without a lease. A new lease waits for its
- * end.
- * The first zero after a speed is sent at once; all other commands are at least a robot cycle (10
- * ms) apart.
+ * commands, one per drive period and at least three. It ends when a status
+ * confirms it, or when robot_watchdog_ms has passed. A status confirms it if it shows both targets
+ * 0, and was made at least 160 ms after the robot answered a request that followed the first zero.
+ * Nothing confirms it while [A] is held or not known yet. It is sent again when [A] is released,
+ * and for as long as a status at most 2 s old shows our target without a lease. A lease that is
+ * granted meanwhile runs from its grant, but its speeds are sent only after the stop sequence,
+ * usually 0.3 s: repeat the command, or the lease is over by then. The first zero after a speed is
+ * sent at once; all other commands are at least a robot cycle (10 ms) apart.
  */
 
 /** Allow driving. Returns 0, or the first reason against it: ROBUROC4_ERR_NOT_READY,
- *  _NO_DIFFERENTIAL, _LIMITS, _NOT_SUBSCRIBED, _STALE_DIFFERENTIAL, _STALE_IOCARD,
- * _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER, _UPLINK (it disarmed for this reason, and the
- * robot has answered nothing since), _MOVING. While armed, the client disarms itself as soon as one
- * of these reasons except _MOVING applies, when the robot does not follow its speeds (_INHIBITED),
- * when commands reach it late (_UPLINK), and lapse_disarm_ms after a lease expired (_LAPSED).
- * Arming an armed client is fine. A ready client may not be armable yet, as the first statuses come
- * later: ROBUROC4_EVENT_ARMABLE is raised when arming becomes possible (again, if it was not for
- * more than a few statuses); roburoc4_pump_arm() waits for it. */
+ *  _NO_DIFFERENTIAL, _LIMITS, _STALE_DIFFERENTIAL, then _STALE_IOCARD (or _SUBSCRIPTION_REFUSED,
+ * where the robot refused to send these), _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER, _UPLINK
+ * (it disarmed for this reason, and the robot has answered nothing since), _MOVING. While armed,
+ * the client disarms itself as soon as one of these reasons except _MOVING applies, when the robot
+ * does not follow its speeds (_INHIBITED), when commands reach it late (_UPLINK), and
+ * lapse_disarm_ms after a lease expired (_LAPSED). Arming an armed client is fine. A ready client
+ * may not be armable yet, as the first statuses come later: ROBUROC4_EVENT_ARMABLE is raised each
+ * time arming becomes possible after it was impossible for more than a few statuses;
+ * roburoc4_pump_arm() waits for it.
+ *
+ * ARM ONLY WHEN A PERSON ASKS FOR IT. Arming succeeds while an emergency stop is pressed (no status
+ * reports it): a program that arms again after each disarm sets the robot off when the stop is
+ * released. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client,
                                                                      uint64_t now_us);
 /** 1 if a reason against arming may go away by itself (no answer or status yet, the robot still
@@ -339,19 +352,19 @@ ROBUROC4_API int32_t roburoc4_refusal_may_pass(roburoc4_result refusal);
 #define ROBUROC4_MIN_LEASE_US 20000
 #define ROBUROC4_MAX_LEASE_US 1000000
 /** Drive at these speeds for lease_us (0: the configured lease; else within these limits) from now.
- *  The speeds are scaled, then reduced together if ROBUROC4_OPTION_TURN_KEEPING is set, then
- *  clamped to the robot's limits and the ceilings. ROBUROC4_ERR_NOT_FINITE, _UNITS (more than
- *  ROBUROC4_MAX_DRIVE_M_S or _RAD_S), _ARGUMENT (lease), or why the client is not armed; then
- *  nothing changes. */
+ *  The speeds are scaled, then reduced together if ROBUROC4_OPTION_KEEP_CURVATURE is set, then
+ *  clamped to the robot's limits and the ceilings, which bound them before scaling, too.
+ * ROBUROC4_ERR_NOT_FINITE, _UNITS (more than ROBUROC4_MAX_DRIVE_M_S or _RAD_S), _ARGUMENT (lease),
+ * or why the client is not armed; then nothing changes. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_client *client,
                                                                        float linear_m_s,
                                                                        float angular_rad_s,
                                                                        uint32_t lease_us,
                                                                        uint64_t now_us);
 /** Stop the robot, and disarm: end the lease and send a stop sequence, armed or not, now or as soon
- *  as the differential service is known. drive() is refused (ROBUROC4_ERR_STOPPED) until somebody
- *  calls arm() again. ROBUROC4_ERR_STATE if idle or closing: then nothing is to be stopped, and
- *  nothing changes. */
+ *  as the differential service is known. drive() is refused (ROBUROC4_ERR_STOP_CALLED) until
+ * somebody calls arm() again. ROBUROC4_ERR_STATE if idle or closing: then nothing is to be stopped,
+ * and nothing changes. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_stop(roburoc4_client *client,
                                                                       uint64_t now_us);
 /** As stop(), but stay armed: the program's own end of driving, after which it may drive() again.
@@ -370,15 +383,15 @@ typedef struct roburoc4_facts {
     uint8_t other_commander; /* 1: the robot reports a target that is not ours: another client
                                 commands it, or has left one behind, which stop() clears */
     uint8_t inhibited;       /* 1: the robot does not follow its target (emergency stop, brakes,
-                                bumper); this disarms. A robot that drops commands disarms for the
-                                same cause, but this stays 0 */
+                                bumper); this disarms. If the robot drops commands, the client disarms
+                                for the same cause, but this stays 0 */
     uint8_t fixed_id;        /* 1: the robot answers every request with 0x01 */
     uint8_t front_bumper;    /* 1: pressed, by the last IO status; of several inputs, any */
     uint8_t rear_bumper;
-    uint8_t front_bumper_known; /* 1: `front_bumper` is valid: the program set its input, or the
-                                   robot gave or refused the text of every digital input, and one
-                                   names it, or that of the manual's table was refused; and a
-                                   status was received since the robot was found */
+    uint8_t front_bumper_known; /* 1: `front_bumper` is valid: its input is known (the program
+                                    set it; or every text was given or refused, and one names it
+                                    or that of the manual's input was refused), and a status has
+                                    come since */
     uint8_t rear_bumper_known;  /* likewise */
     uint8_t battery_low;       /* 1: remaining is below minimum_percent, or the state is Critical */
     uint8_t battery_known;     /* 1: `battery_low` is valid, from the next status after the minimum
@@ -391,11 +404,12 @@ typedef struct roburoc4_facts {
                         the robot does not list, or whose subscription it refused, or did not
                         acknowledge yet after five requests */
     uint8_t reserved[2];
-    int32_t disarm_cause;      /* why the client is not armed; 0 while armed */
-    int32_t arm_refusal;       /* what roburoc4_client_arm() would return */
-    int32_t relocalize_result; /* of roburoc4_client_relocalize(): 0, or why it failed;
-                                  ROBUROC4_ERR_UNKNOWN before the first, and until it is answered */
-    uint32_t lease_left_us;    /* 0 when not driving */
+    int32_t disarm_cause; /* why the client is not armed; 0 while armed */
+    int32_t arm_refusal;  /* what roburoc4_client_arm() would return */
+    /** Of roburoc4_client_relocalize(): 0, or why it failed; ROBUROC4_ERR_NOT_KNOWN before the
+     * first, and until it is answered. */
+    int32_t relocalize_result;
+    uint32_t lease_left_us;                    /* 0 when not driving */
     float sent_linear_m_s, sent_angular_rad_s; /* the last speeds sent; 0 after a stop */
     uint32_t age_us[8]; /* by ROBUROC4_SERVICE_*: how old the last status can be at most, now;
                            UINT32_MAX if there is none, or it is from before the robot was found */
@@ -406,14 +420,14 @@ typedef struct roburoc4_facts {
 ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client, uint64_t now_us,
                                                    roburoc4_facts *out);
 
-/* Services and properties. ROBUROC4_ERR_UNKNOWN until the robot has reported it. */
+/* Services and properties. ROBUROC4_ERR_NOT_KNOWN until the robot has reported it. */
 
 /** Entry `index` of the directory; at most ROBUROC4_MAX_SERVICES are stored. ROBUROC4_ERR_INDEX
  *  beyond the last one, and before the robot has reported its directory. */
 ROBUROC4_API roburoc4_result roburoc4_client_service_at(const roburoc4_client *client,
                                                         uint32_t index,
                                                         roburoc4_directory_entry *out);
-/** The wire id of ROBUROC4_SERVICE_*, or ROBUROC4_ERR_UNKNOWN. */
+/** The wire id of ROBUROC4_SERVICE_*, or ROBUROC4_ERR_NOT_KNOWN. */
 ROBUROC4_API roburoc4_result roburoc4_client_service_id(const roburoc4_client *client,
                                                         uint32_t service);
 ROBUROC4_API roburoc4_result roburoc4_client_iocard_properties(const roburoc4_client *client,
@@ -425,8 +439,8 @@ ROBUROC4_API roburoc4_result roburoc4_client_localization_properties(
 ROBUROC4_API roburoc4_result roburoc4_client_differential_properties(
     const roburoc4_client *client, roburoc4_differential_properties *out);
 /** Telemeter `index` of at most ROBUROC4_MAX_TELEMETERS: mounting, range, and the latest distance
- *  (before the first status, that of the properties). ROBUROC4_ERR_INDEX if there is none, as
- *  before the robot has reported its telemeters. */
+ *  (before the first status, that of the properties; NaN if statuses have none for it).
+ *  ROBUROC4_ERR_INDEX if there is none, as before the robot has reported its telemeters. */
 ROBUROC4_API roburoc4_result roburoc4_client_telemeter(const roburoc4_client *client,
                                                        uint32_t index, roburoc4_telemeter *out);
 
@@ -438,13 +452,13 @@ typedef struct roburoc4_description {
     uint32_t index;  /* of the channel, or of the directory's element */
 } roburoc4_description;
 /** What a datagram describes, right after its receive() raised ROBUROC4_EVENT_DESCRIPTION.
- *  ROBUROC4_ERR_UNKNOWN if the last datagram was not a description. */
+ *  ROBUROC4_ERR_NOT_KNOWN if the last datagram was not a description. */
 ROBUROC4_API roburoc4_result roburoc4_client_description(const roburoc4_client *client,
                                                          const uint8_t *datagram, size_t size,
                                                          roburoc4_description *out);
 
 /** The wire index of the input with ROBUROC4_ROLE_*, the lowest if a bumper has several.
- *  ROBUROC4_ERR_UNKNOWN, or _ARGUMENT for no such role. */
+ *  ROBUROC4_ERR_NOT_KNOWN, or _ARGUMENT for no such role. */
 ROBUROC4_API roburoc4_result roburoc4_client_role_index(const roburoc4_client *client,
                                                         uint32_t role);
 /** The manual's name (5.5.1) of a channel of this robot's IO card, for channels without a text of
@@ -457,7 +471,7 @@ ROBUROC4_API const char *roburoc4_client_channel_name(const roburoc4_client *cli
  *  and order. A channel's name is the robot's text, texts[index] (NUL-terminated; NULL or "" if
  *  there is none; texts may be NULL), else the name above; the manual's name of an input with a
  *  role always finds that input. ROBUROC4_ERR_INDEX if no channel has the name, _VALUE if several
- *  do, _UNKNOWN before the robot has reported its channels. */
+ *  do, _NOT_KNOWN before the robot has reported its channels. */
 ROBUROC4_API roburoc4_result roburoc4_client_channel_find(const roburoc4_client *client,
                                                           uint32_t io_type, const char *name,
                                                           const char *const *texts,
@@ -469,9 +483,10 @@ ROBUROC4_API roburoc4_result roburoc4_client_set_role_index(roburoc4_client *cli
                                                             int32_t index, uint64_t now_us);
 
 /* Values: the latest status of each service; inputs are those of the IO card, distances those of
- * the telemeters. ROBUROC4_ERR_UNKNOWN before the first. *host_us is set to the host time at which
- * the status was received; host_us may be NULL. */
+ * the telemeters. ROBUROC4_ERR_NOT_KNOWN before the first. *host_us is set to the host time at
+ * which the status was received; host_us may be NULL. */
 
+/** Volts are no part of it: read the analog input that has ROBUROC4_ROLE_BATTERY_V. */
 ROBUROC4_API roburoc4_result roburoc4_client_battery(const roburoc4_client *client,
                                                      roburoc4_battery_status *out,
                                                      uint64_t *host_us);
@@ -504,8 +519,8 @@ ROBUROC4_API roburoc4_result roburoc4_client_distances(const roburoc4_client *cl
  * not set since the client or the robot started are sent as 0. Each change is sent three times. */
 
 /** Set the digital outputs selected by `mask` to their bits in `values`, in one datagram; all or
- *  none. ROBUROC4_ERR_UNKNOWN before the counts are known, _RESERVED for output 0, _INDEX beyond
- *  the last (or the last for which the client has room), _NOT_READY. */
+ *  none. ROBUROC4_ERR_NOT_KNOWN before the counts are known, _RESERVED for output 0, _NOT_READY,
+ *  _INDEX beyond the last, and on a card with more outputs than the client has room for. */
 ROBUROC4_API roburoc4_result roburoc4_client_set_digital_outputs(roburoc4_client *client,
                                                                  uint64_t mask, uint64_t values,
                                                                  uint64_t now_us);
@@ -514,23 +529,22 @@ ROBUROC4_API roburoc4_result roburoc4_client_set_analog_output(roburoc4_client *
                                                                uint32_t index, float value,
                                                                uint64_t now_us);
 
-/** Set the robot's pose (REPLACE, 4.2.6.5). The request is sent at once. While the robot is at rest
- *  by fresh statuses, it is repeated until it is answered, for at most 2 s. Once it has
- *  moved, the pose is an old one: the request is not repeated, and fails (relocalize_result:
- *  ROBUROC4_ERR_MOVING) unless the first is answered within 0.25 s; the robot may have taken it.
- *  The same after a time without fresh statuses (ROBUROC4_ERR_STALE_DIFFERENTIAL, or _TIMEOUT
- *  without an answer), or where the robot refuses (_ROBOT). A later call replaces it; in fixed-id
- *  mode (`fixed_id`) call it after the end of the one before, whose late answer would count. It
- * ends with ROBUROC4_EVENT_RELOCALIZED or _RELOCALIZE_FAILED, unless the client is closed; repeats
- * that a queue still holds then set the pose again when they arrive. ROBUROC4_ERR_NOT_FINITE,
- * _UNITS (more than two turns: degrees?), _NOT_READY, _UNKNOWN (no localization service). */
+/** Set the robot's pose (REPLACE, 4.2.6.5). The request is sent at once. While the robot is
+ *  at rest by fresh statuses, it is repeated for up to 2 s. Once the robot has moved, it is not
+ *  repeated, and fails unless the first one is answered within 0.25 s; the robot may have taken it.
+ *  Failures (relocalize_result): ROBUROC4_ERR_MOVING, _STALE_DIFFERENTIAL (statuses were not fresh
+ *  meanwhile), _TIMEOUT (no answer), _ROBOT (refused). A later call replaces it; in fixed-id mode
+ *  (`fixed_id`) wait for the previous one: its late answer would count. It ends with
+ *  ROBUROC4_EVENT_RELOCALIZED or _RELOCALIZE_FAILED, unless the client is closed. Repeats that are
+ *  still queued in the network can set the pose again. ROBUROC4_ERR_NOT_FINITE,
+ *  _UNITS (more than two turns: degrees?), _NOT_READY, _NOT_KNOWN (no localization service). */
 ROBUROC4_API roburoc4_result roburoc4_client_relocalize(roburoc4_client *client, double x_m,
                                                         double y_m, double theta_rad,
                                                         uint64_t now_us);
 
 /** Subscribe to a service (ROBUROC4_SERVICE_IOCARD to _DIFFERENTIAL) or change its period: a
  *  multiple of 10, 10 to 2550 ms. A period of 0 ends the subscription: statuses that still come
- *  are counted and dropped. It persists when the robot is lost and found again.
+ *  are counted and dropped. The setting persists when the robot is lost and found again.
  * ROBUROC4_ERR_ARGUMENT. */
 ROBUROC4_API roburoc4_result roburoc4_client_subscribe(roburoc4_client *client, uint32_t service,
                                                        uint32_t period_ms, uint64_t now_us);
@@ -554,7 +568,7 @@ typedef struct roburoc4_service_link {
     uint32_t subscribed;       /* 1: wanted, and not refused */
     uint32_t received;         /* used statuses since start() */
     uint32_t lost;             /* gaps in the observed period, minus late ones */
-    uint32_t late, duplicates; /* not used */
+    uint32_t late, duplicates; /* received, but dropped */
     uint32_t period_us;        /* observed; at first the requested one */
     uint32_t jitter_us;        /* smoothed deviation of arrival from robot time (RFC 3550, 6.4.1) */
     uint32_t age_us; /* upper bound of the last status's age; UINT32_MAX before the first */
@@ -565,8 +579,8 @@ ROBUROC4_API roburoc4_result roburoc4_client_service_link(const roburoc4_client 
                                                           uint32_t service, uint64_t now_us,
                                                           roburoc4_service_link *out);
 /** The host time at which the robot's clock showed robot_cycles, estimated from the statuses of the
- *  last seconds and half of the shortest round trip. ROBUROC4_ERR_UNKNOWN before the first status.
- *  */
+ *  last seconds and half of the shortest round trip. For UTC, add what CLOCK_REALTIME is ahead of
+ *  roburoc4_udp_now_us(). ROBUROC4_ERR_NOT_KNOWN before the first. */
 ROBUROC4_API roburoc4_result roburoc4_client_host_time(const roburoc4_client *client,
                                                        uint64_t robot_cycles, uint64_t *host_us);
 
@@ -709,7 +723,7 @@ struct roburoc4_client {
     roburoc4_private_outputs private_outputs;
     roburoc4_private_link private_link;
     roburoc4_private_values private_values;
-    uint32_t private_reserved[2];
+    uint32_t private_reserved[6];
 };
 
 #ifdef __cplusplus

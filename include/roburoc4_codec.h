@@ -60,14 +60,14 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_SIZE (-7)        /* a struct's size is not the library's */
 #define ROBUROC4_ERR_CONFIG (-8)      /* a configuration value; see roburoc4_config_error() */
 #define ROBUROC4_ERR_STATE (-9)       /* the client was not started, or is closing */
-#define ROBUROC4_ERR_UNKNOWN (-10)    /* not reported by the robot yet */
+#define ROBUROC4_ERR_NOT_KNOWN (-10)  /* not reported by the robot yet */
 #define ROBUROC4_ERR_INDEX (-11)      /* there is none with this number or name */
 #define ROBUROC4_ERR_RESERVED (-12)   /* digital output 0 is the robot's own watchdog */
 #define ROBUROC4_ERR_NOT_FINITE (-13) /* NaN or infinity */
 #define ROBUROC4_ERR_UNMATCHED (-14)  /* an answer to no open request: late, duplicate, not ours */
-#define ROBUROC4_ERR_UNSUBSCRIBED (-15) /* a status of a service that was not subscribed to */
-#define ROBUROC4_ERR_OLD (-16)          /* a status not newer than the last of its service */
-#define ROBUROC4_ERR_TIMEOUT (-17)      /* none of a request's tries was answered */
+#define ROBUROC4_ERR_UNEXPECTED_STATUS (-15) /* a status without a subscription */
+#define ROBUROC4_ERR_OLD (-16)               /* a status not newer than the last of its service */
+#define ROBUROC4_ERR_TIMEOUT (-17)           /* none of a request's tries was answered */
 /* why a client is not armed, or arm() or drive() was refused */
 #define ROBUROC4_ERR_DISARMED (-20)           /* never armed, or closed */
 #define ROBUROC4_ERR_NOT_READY (-21)          /* the client is not in ROBUROC4_STATE_READY */
@@ -83,15 +83,16 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_REBOOT (-31)             /* the robot restarted */
 #define ROBUROC4_ERR_CLOCK (-32)              /* the clock went back */
 #define ROBUROC4_ERR_INHIBITED (-33)          /* the robot does not follow its commands */
-#define ROBUROC4_ERR_STOPPED (-34)            /* stop() was called */
-#define ROBUROC4_ERR_LAPSED (-35)         /* a lease expired, and the program did not renew it */
-#define ROBUROC4_ERR_UPLINK (-36)         /* commands reach the robot late, or not at all */
-#define ROBUROC4_ERR_UNITS (-37)          /* a speed or angle that looks like mm/s or degrees */
-#define ROBUROC4_ERR_NOT_SUBSCRIBED (-38) /* the robot refused a subscription for driving */
+#define ROBUROC4_ERR_STOP_CALLED (-34)        /* stop() was called */
+#define ROBUROC4_ERR_LAPSED (-35) /* a lease expired, and the program did not renew it */
+#define ROBUROC4_ERR_UPLINK (-36) /* commands reach the robot late, or not at all */
+#define ROBUROC4_ERR_UNITS (-37)  /* a speed or angle that looks like mm/s or degrees */
+#define ROBUROC4_ERR_SUBSCRIPTION_REFUSED (-38) /* the robot refused a subscription for driving */
 /* of the UDP adapter and the pump (roburoc4_udp.h, roburoc4_pump.h) */
 #define ROBUROC4_ERR_SYSTEM (-40)  /* the operating system refused; errno says why */
 #define ROBUROC4_ERR_RESOLVE (-41) /* a host name has no address */
 #define ROBUROC4_ERR_CLOSED (-42)  /* already closed, or made before a fork() */
+#define ROBUROC4_ERR_BUSY (-43)    /* another thread drives a move with this pump */
 
 /** One English sentence for a result, without a full stop: the cause, and often after a colon what
  *  to do. "ok" for 0 and more, "unknown error" for an invalid value. Valid as long as the program

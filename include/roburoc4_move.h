@@ -6,8 +6,8 @@
  * THE MODEL
  *
  * Declare a move, begin it with one of the functions below, and step it whenever the client has
- * news, at least every 50 ms. Each step reads the client's values and proposes the next drive() in
- * the members linear_m_s and angular_rad_s. Your program drives:
+ * news, at least every 50 ms; more often is harmless. Each step reads the client's values and
+ * proposes the next drive() in the members linear_m_s and angular_rad_s. Your program drives:
  *
  *     roburoc4_move move;
  *     roburoc4_move_by(&move, 1.0f, 0.0f, NULL);
@@ -28,32 +28,33 @@
  *                 that is lower, and none changes faster than the requested acceleration, also when
  *                 braking. (The end of a move that is not reached is a stop sequence: at once.)
  *   The beginning A robot that still rolls is first brought to rest, at the requested acceleration.
- *                 The way that was asked for counts from there, distance_m and angle_rad from the
- *                 first step. What it takes is not part of the limit of the duration.
+ *                 The requested distance and angle count from there, the members distance_m and
+ *                 angle_rad from the first step. Coming to rest takes none of the move's time.
  *   Braking       The move knows how much distance it has commanded and how much of it the robot
  *                 has covered. From both it learns how late and how far this robot follows, and
- *                 brakes the earlier the less it knows. Where something stops the wheels in
- *                 mid-move, it comes to rest and learns anew. It proposes no speed beyond its goal.
+ *                 brakes the earlier the less it knows. If something stops the wheels, it comes to
+ *                 rest and learns anew. It proposes no speed beyond its goal.
  *   Odometry      Distance is measured by the localization service if its pose is fresh when the
  *                 move begins, else by the reported speeds. A move ends where what was commanded,
- *                 the speeds and the pose disagree by more than 0.15 m or 15 degrees plus a fifth
- *                 of the way, and where the robot is relocalized. Wheels slip, above all in turns,
- *                 and odometry does not notice: relocalize between moves if you know the pose
- *                 better (docs/moves.md has figures). scale_linear and scale_angular of the
- *                 client's configuration correct what the wheels count.
+ *                 the speeds and the pose disagree, beyond what a robot's lag explains, by more
+ *                 than 0.15 m or 15 degrees plus a fifth of the distance. It also ends once it
+ *                 commanded 1.25 times the distance plus 0.2 m or 20 degrees, so that wheels that
+ *                 count too little take it no further, and where the robot is relocalized. Wheels
+ *                 slip, above all in turns, and odometry does not notice: relocalize between moves
+ *                 if you know the pose better (docs/moves.md has figures). scale_linear and
+ *                 scale_angular of the client's configuration correct what the wheels count.
  *   Obstacles     A bumper that is pressed in the direction of travel, or newly pressed anywhere,
  *                 ends a move. So does a telemeter (ultrasonic rangefinder) in the direction of
  *                 travel that reports less than the clearance, the distance that the robot still
  *                 rolls when it stops now, and what it covered since the distance was measured.
- *                 Turns in place do not use telemeters. TELEMETERS MISS THINGS: thin legs, soft or
- *                 slanted surfaces, everything outside of their cones. Backing away from an
- *                 obstacle is possible. What is not seen is not free: a move with a clearance needs
- *                 a distance in its direction that is not older than a second, and bumpers that are
- *                 known.
+ *                 Turns in place of a robot that stands do not use telemeters. TELEMETERS MISS
+ *                 THINGS: thin legs, soft or slanted surfaces, everything outside of their cones.
+ *                 Backing away from an obstacle is possible. With a clearance, a move needs known
+ *                 bumpers and a distance in its direction that is not older than a second.
  *   The end       Whatever the outcome, the last step calls roburoc4_client_pause(), which sends a
  *                 stop sequence; after ROBUROC4_MOVE_LAPSED it was sent already. After
- * ROBUROC4_MOVE_REACHED the robot is at rest; after the others it may still roll:
- * roburoc4_move_rest() waits for that.
+ *                 ROBUROC4_MOVE_REACHED the robot is at rest; after the others it may still roll:
+ *                 roburoc4_move_rest() waits for that.
  *
  * CONVENTIONS
  *
@@ -77,7 +78,7 @@ extern "C" {
 #define ROBUROC4_MOVE_OVERRIDE 2        /* [A] on the game pad is held, or its state is unknown */
 #define ROBUROC4_MOVE_BUMPER 3          /* a bumper is pressed */
 #define ROBUROC4_MOVE_OBSTACLE 4        /* a telemeter saw something too near */
-#define ROBUROC4_MOVE_INHIBITED 5       /* it stands: emergency stop, brakes, no motor power */
+#define ROBUROC4_MOVE_INHIBITED 5       /* it does not follow: emergency stop, brakes, motors */
 #define ROBUROC4_MOVE_LOST 6            /* statuses that it needs, or commands, do not arrive */
 #define ROBUROC4_MOVE_OTHER_COMMANDER 7 /* another client commands the robot */
 #define ROBUROC4_MOVE_TIMEOUT 8
@@ -85,7 +86,7 @@ extern "C" {
 #define ROBUROC4_MOVE_LAPSED 10   /* the program hung: a lease of the move expired */
 #define ROBUROC4_MOVE_ODOMETRY 11 /* commands, speeds and pose disagree */
 #define ROBUROC4_MOVE_RELOCALIZED 12 /* the pose was set, or jumped */
-#define ROBUROC4_MOVE_OFF_COURSE 13  /* at rest beside its goal, or far beside its way */
+#define ROBUROC4_MOVE_OFF_COURSE 13  /* at rest, not at its goal; or far off its path */
 #define ROBUROC4_MOVE_TOO_FAST 14    /* asked for a speed beyond the client's ceilings */
 /* with a clearance, and this sensor is not known or has no fresh distance */
 #define ROBUROC4_MOVE_NO_FRONT_BUMPER 15
@@ -93,9 +94,9 @@ extern "C" {
 #define ROBUROC4_MOVE_NO_FRONT_TELEMETER 17
 #define ROBUROC4_MOVE_NO_REAR_TELEMETER 18
 
-/** An outcome as one English sentence without a full stop: what happened and what to do. Of a
- * negative number, which roburoc4_pump_move() may return, that of roburoc4_result_text(); "unknown
- * outcome" for an invalid one. Valid as long as the program runs. */
+/** An outcome as one English sentence without a full stop: what happened and what to do. For a
+ *  negative number from roburoc4_pump_move(): roburoc4_result_text(). "unknown outcome" for an
+ *  invalid one. Valid as long as the program runs. */
 ROBUROC4_API const char *roburoc4_move_outcome_text(int32_t outcome);
 
 /* -------------------------------------------------------------------------------- options --- */
@@ -105,13 +106,13 @@ typedef struct roburoc4_move_options {
     uint32_t size;        /* set by roburoc4_move_options_init() */
     uint32_t timeout_ms;  /* limit of the duration; 0 (default): twice that of the profile plus 3 s;
                              5 s to come to rest */
-    float linear_m_s;     /* maximum forward or backward speed, greater than 0; default 0.3 */
-    float angular_rad_s;  /* maximum turn rate, greater than 0; default 0.5 */
-    float linear_m_s2;    /* acceleration, greater than 0; default 0.5 */
-    float angular_rad_s2; /* likewise; default 1. Lower limits of the robot apply to both */
-    float clearance_m;    /* distance to keep from obstacles; default 0.5; 0: ignore telemeters, and
-                             bumpers that are not known */
-    uint32_t turns;       /* 1: angles beyond two turns are meant; default 0: they are refused */
+    float max_linear_m_s; /* forward or backward, greater than 0; default 0.3 */
+    float max_angular_rad_s;  /* greater than 0; default 0.5 */
+    float max_linear_m_s2;    /* greater than 0; default 0.5 */
+    float max_angular_rad_s2; /* greater than 0; default 1. Lower limits of the robot apply, too */
+    float clearance_m;        /* distance to keep from obstacles; default 0.5; 0: ignore telemeters,
+                                 and bumpers that are not known */
+    uint32_t allow_turns; /* 1: angles beyond two turns are meant; default 0: they are refused */
 } roburoc4_move_options;
 
 /** Set all defaults; `size` is sizeof(roburoc4_move_options). ROBUROC4_ERR_SIZE, with nothing
@@ -149,11 +150,10 @@ typedef struct roburoc4_move {
     int64_t private_place[3], private_pose[3]; /* the goal; the last pose */
     uint8_t private_kind, private_leg, private_ready, private_rolls;
     uint8_t private_still, private_bumpers, private_posed, private_begun;
-    uint8_t private_driven, private_turned, private_rested, private_quiet_cycles, private_jolted,
+    uint8_t private_driven, private_turned, private_rested, private_quiet_cycles, private_fallen,
         private_unmeasured, private_stood_cycles;
     int8_t private_side, private_rolled;
-    uint8_t private_same_cycles, private_stopping, private_suspect, private_pose_gap;
-    float private_measured; /* the last status's speed on the leg's axis */
+    uint8_t private_unused, private_stopping, private_suspect, private_pose_gap;
     float private_peak,
         private_told;            /* the highest speed, measured and proposed, until it brakes */
     float private_patience_s;    /* left to wait until the robot does not swing any more */
@@ -161,16 +161,17 @@ typedef struct roburoc4_move {
     uint32_t private_stop_us;    /* when the stop sequence began that the last step saw */
     float private_mark;          /* where it was when it last moved, */
     uint32_t private_stood_us;   /* and how long ago that was */
-    uint32_t private_spare[2];
+    uint32_t private_spare[7];
 } roburoc4_move;
 
 /* Begin a move in any memory. Nothing is sent: the first step plans the move.
  * options may be NULL for all defaults. ROBUROC4_ERR_NOT_FINITE: NaN or infinity.
- * ROBUROC4_ERR_ARGUMENT: more than 10 km (of a point, its first step says so) or 10000 rad, or an
- * option that is NaN or out of its range. ROBUROC4_ERR_UNITS: an angle beyond two turns without the
- * option for it (degrees?), or a speed beyond ROBUROC4_MAX_DRIVE_M_S or _RAD_S. After an error the
- * move is ended, as ROBUROC4_MOVE_CANCELLED. A speed beyond the client's ceilings ends the move at
- * its first step, as ROBUROC4_MOVE_TOO_FAST; the default speeds are lowered to them instead. */
+ * ROBUROC4_ERR_ARGUMENT: more than 10 km (for a point this is found at the first step) or 10000
+ * rad, or an option that is NaN or out of its range. ROBUROC4_ERR_UNITS: an angle beyond two turns
+ * without the option for it (degrees?), or a speed beyond ROBUROC4_MAX_DRIVE_M_S or _RAD_S. After
+ * an error the move is ended, as ROBUROC4_MOVE_CANCELLED. A speed beyond the client's ceilings,
+ * before or after its scale, ends the move at its first step, as ROBUROC4_MOVE_TOO_FAST; the
+ * default speeds are lowered to them instead. */
 
 /** Drive this distance (negative: backward) while turning by this angle (negative: to the right; it
  * may exceed a full turn). With angle 0 the robot drives straight, with distance 0 it turns in
@@ -190,8 +191,8 @@ ROBUROC4_API roburoc4_result roburoc4_move_to_pose(roburoc4_move *move, double x
 ROBUROC4_API roburoc4_result roburoc4_move_for(roburoc4_move *move, float linear_m_s,
                                                float angular_rad_s, uint32_t duration_ms,
                                                const roburoc4_move_options *options);
-/** Stop, and wait until the robot is at rest; armed or not. Other moves of the client end. Nothing
- * confirms a stop while [A] is not known: then it times out. */
+/** Stop, and wait until the robot is at rest; armed or not. Other moves of the client end. While
+ * [A] is not known, nothing confirms a stop, and this move times out. */
 ROBUROC4_API roburoc4_result roburoc4_move_rest(roburoc4_move *move,
                                                 const roburoc4_move_options *options);
 
@@ -223,8 +224,7 @@ typedef struct roburoc4_move_view {
     uint8_t front_bumper_known, rear_bumper_known;
     uint8_t front_known, rear_known; /* a telemeter looks there, and reports */
     uint8_t reserved[7];
-    float true_per_pose_m, true_per_pose_rad; /* distances and angles as they are, by those of the
-                                                 pose; 0: 1 */
+    float true_per_pose_m, true_per_pose_rad; /* real per reported distance and angle; 0 means 1 */
 } roburoc4_move_view;
 
 /** roburoc4_move_step() with your own view. When the move ends, your program must stop the robot;

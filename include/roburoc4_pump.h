@@ -28,7 +28,9 @@
  *   Readers       each has its own cursor and sees every sample and every event. A slow reader
  *                 loses the oldest samples, and learns how many; it never delays the pump or
  *                 another reader.
- *   No callback   into your code, ever.
+ *   No callback   into your code, ever. For callbacks, let a thread of yours wait in
+ *                 roburoc4_pump_wait_events() until ROBUROC4_ERR_CLOSED; at the end close the pump,
+ *                 join the thread, and destroy the pump.
  *   The end       roburoc4_pump_close() disarms, sends the stop sequence if one is due, ends the
  *                 thread, and wakes all waiting calls. exit(), and the return from main(), do the
  *                 same, unless the calling thread holds the lock. A process that is killed,
@@ -73,10 +75,9 @@ typedef struct roburoc4_pump roburoc4_pump;
  *  error; *result (result may be NULL) then says which: ROBUROC4_ERR_ARGUMENT (address or
  *  capacity), ROBUROC4_ERR_CONFIG (roburoc4_config_error() names the value), ROBUROC4_ERR_SYSTEM
  *  (no socket, thread or memory; errno says why). An absent robot is not an error. Free the pump
- *  with roburoc4_pump_destroy(). With a NULL address the pump has neither socket, thread nor
- *  recording, for clients that are run in another way, as in the virtual time of roburoc4_sim.h:
- *  start the client and give it its datagrams with the pump locked, and call
- *  roburoc4_pump_collect() after each. */
+ *  with roburoc4_pump_destroy(). A NULL address makes a pump without socket, thread or
+ *  recording, for virtual time (roburoc4_sim.h): start the client and give it its datagrams with
+ * the pump locked, and call roburoc4_pump_collect() after each. */
 ROBUROC4_API roburoc4_pump *
 roburoc4_pump_create(const roburoc4_address *address, const roburoc4_config *config,
                      uint32_t queue_capacity, roburoc4_recorder *recorder, roburoc4_result *result);
@@ -90,7 +91,8 @@ roburoc4_pump_create_from(const roburoc4_address *address, const roburoc4_addres
  *  without an address. */
 ROBUROC4_API void roburoc4_pump_collect(roburoc4_pump *pump, const uint8_t *datagram, size_t size);
 /** Disarm, send the stop sequence if one is due, and end the thread; waits for that, at most the
- *  configured robot_watchdog_ms (or three drive periods) plus half a second. Other waiting calls
+ *  configured robot_watchdog_ms (or three drive periods) plus half a second. A pump without an
+ *  address has no thread to do so: close its client first. Other waiting calls
  *  return ROBUROC4_ERR_CLOSED. Afterwards the client is idle: values and samples can still be read,
  *  and commands are refused as by any idle client. From any thread; further calls wait for the end
  *  and return 0. */
@@ -115,27 +117,32 @@ ROBUROC4_API const roburoc4_udp *roburoc4_pump_udp(roburoc4_pump *pump);
  *  and release the lock. To be called by the thread that holds it. */
 ROBUROC4_API void roburoc4_pump_unlock(roburoc4_pump *pump);
 /** Arm as soon as possible, waiting at most timeout_us. Returns 0, or the reason against it, as
- *  roburoc4_client_arm() does: at once if it does not go away by itself (see
- *  roburoc4_refusal_may_pass()), such as a held game pad, else after the time.
- *  ROBUROC4_ERR_STOPPED if roburoc4_pump_request_stop() was called meanwhile; ROBUROC4_ERR_CLOSED,
- *  also with a pump that was made without an address. */
+ *  roburoc4_client_arm() does: at once for a reason that does not pass by itself (see
+ *  roburoc4_refusal_may_pass()), such as a held game pad, else after timeout_us. If it is
+ *  ROBUROC4_ERR_NOT_READY, the fault of roburoc4_pump_udp() (with the pump locked) may say why.
+ *  ROBUROC4_ERR_STOP_CALLED if roburoc4_pump_request_stop() was called meanwhile;
+ * ROBUROC4_ERR_CLOSED, also with a pump that was made without an address. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump,
                                                                    uint32_t timeout_us);
 /** Drive a move to its end: take its steps, and grant the speeds that it proposes. Waits for the
- *  move's own time-out at most. Returns move->outcome (roburoc4_move_outcome_text() names it),
- * which is ROBUROC4_MOVE_CANCELLED after roburoc4_pump_request_stop(); or ROBUROC4_ERR_CLOSED, also
- * with a pump that was made without an address. Between two steps the lock is free: other threads
- * may read values, or end the move by roburoc4_client_pause() or _stop(). */
-ROBUROC4_API int32_t roburoc4_pump_move(roburoc4_pump *pump, roburoc4_move *move);
+ *  move's own time-out at most. Returns move->outcome, of which only ROBUROC4_MOVE_REACHED is
+ *  success (ROBUROC4_MOVE_CANCELLED after roburoc4_pump_request_stop()); or ROBUROC4_ERR_BUSY while
+ *  another thread is in this function, or ROBUROC4_ERR_CLOSED, also with a pump that was made
+ *  without an address. roburoc4_move_outcome_text() explains each of them. Between two steps the
+ *  lock is free: other threads may read values, or end the move by roburoc4_client_pause() or
+ *  _stop(); a drive() of theirs would fight with it. To stop and wait until the robot is at rest,
+ *  drive a roburoc4_move_rest(). */
+ROBUROC4_MUST_CHECK ROBUROC4_API int32_t roburoc4_pump_move(roburoc4_pump *pump,
+                                                            roburoc4_move *move);
 /** For signal handlers: stop the robot and disarm, as roburoc4_client_stop() does. It only sets a
  * request for the thread, so it never waits and keeps errno; the link stays up. If the lock is held
  * meanwhile, the zeros are sent when it is released, and a speed granted in between is never sent.
- * The program's next drive() returns ROBUROC4_ERR_STOPPED. Several requests count as one. May also
- * be called outside of handlers; does nothing with a NULL pump, after close, in a forked child, or
- * with a pump without an address. It must not be called after destroy: first set the pointer that
- * the handler uses to NULL. Windows: for the handler of SetConsoleCtrlHandler(), which is a thread
- * of its own. On CTRL_CLOSE_EVENT and later ones Windows ends the process when the handler returns:
- * call roburoc4_pump_close() there, which waits for the stop. */
+ * The program's next drive() returns ROBUROC4_ERR_STOP_CALLED. Several requests count as one. May
+ * also be called outside of handlers; does nothing with a NULL pump, after close, in a forked
+ * child, or with a pump without an address. It must not be called after destroy: first set the
+ * pointer that the handler uses to NULL. Windows: for the handler of SetConsoleCtrlHandler(), which
+ * is a thread of its own. On CTRL_CLOSE_EVENT and later ones Windows ends the process when the
+ * handler returns: call roburoc4_pump_close() there, which waits for the stop. */
 ROBUROC4_API void roburoc4_pump_request_stop(roburoc4_pump *pump);
 /** 1 while the thread runs, 0 after roburoc4_pump_close() or in a forked child. */
 ROBUROC4_API int32_t roburoc4_pump_running(roburoc4_pump *pump);
@@ -165,7 +172,7 @@ typedef struct roburoc4_sample {
 } roburoc4_sample;
 
 /** A client's latest status of a service (ROBUROC4_SERVICE_*); its sequence is 0.
- *  ROBUROC4_ERR_UNKNOWN: there is none yet, and *out is 0 except for its service.
+ *  ROBUROC4_ERR_NOT_KNOWN: there is none yet, and *out is 0 except for its service.
  *  ROBUROC4_ERR_ARGUMENT: a service without statuses. */
 ROBUROC4_API roburoc4_result roburoc4_sample_latest(const roburoc4_client *client, uint32_t service,
                                                     roburoc4_sample *out);
@@ -214,8 +221,8 @@ ROBUROC4_API roburoc4_result roburoc4_pump_wait_events(roburoc4_pump *pump,
 /** The robot's text for an IO channel (io_type ROBUROC4_IO_*, wire index) or for entry `index` of
  *  its directory (io_type -1). Writes it with a terminating NUL and returns its length. Its
  *  character set is not specified, and it may be empty. A buffer of ROBUROC4_PUMP_DESCRIPTION_SIZE
- *  always suffices. ROBUROC4_ERR_UNKNOWN: the robot gave none (yet); ROBUROC4_ERR_INDEX: beyond the
- *  client's capacities; ROBUROC4_ERR_ARGUMENT: no such io_type; ROBUROC4_ERR_BUFFER. */
+ *  always suffices. ROBUROC4_ERR_NOT_KNOWN: the robot gave none (yet); ROBUROC4_ERR_INDEX: beyond
+ * the client's capacities; ROBUROC4_ERR_ARGUMENT: no such io_type; ROBUROC4_ERR_BUFFER. */
 ROBUROC4_API roburoc4_result roburoc4_pump_description(roburoc4_pump *pump, int32_t io_type,
                                                        uint32_t index, char *buffer,
                                                        size_t capacity);

@@ -10,7 +10,7 @@
  *     [commands]
  *     robot_watchdog_ms = 1000   # a comment
  *
- * One `name = value` each line; every name stands once, and one that is not known is left out.
+ * One `name = value` each line; each name occurs at most once. Leave out what is not known.
  * Sections ([inputs]) are for the reader's eye. roburoc4 first-contact measures a robot and writes
  * its file; roburoc4 calibrate adds the scales. docs/first-contact.md explains the names: most are
  * those of the family of robots in docs/PROTOCOL.md, the others those of roburoc4_config.
@@ -59,8 +59,8 @@ ROBUROC4_API roburoc4_result roburoc4_robot_file_write(const roburoc4_robot_file
                                                        size_t capacity);
 /** The name with this index, from 0 on, in the order of the file; NULL beyond the last. */
 ROBUROC4_API const char *roburoc4_robot_file_name(uint32_t index);
-/** The value of a name. ROBUROC4_ERR_INDEX: there is no such name; ROBUROC4_ERR_STATE: it is not
- *  known of this robot. */
+/** The value of a name. ROBUROC4_ERR_INDEX: there is no such name; ROBUROC4_ERR_NOT_KNOWN: the
+ *  file does not have it. */
 ROBUROC4_API roburoc4_result roburoc4_robot_file_get(const roburoc4_robot_file *file,
                                                      const char *name, float *out);
 /** Set the value of a name. ROBUROC4_ERR_INDEX: there is no such name; ROBUROC4_ERR_ARGUMENT: not

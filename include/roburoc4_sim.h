@@ -83,7 +83,7 @@ extern "C" {
 /** What an INSERT gets when the list is full. */
 #define ROBUROC4_SIM_FULL_REFUSES 0 /* error 16 */
 #define ROBUROC4_SIM_FULL_IGNORES 1 /* an acknowledgement, and nothing is sent */
-#define ROBUROC4_SIM_FULL_FORGETS 2 /* the place of the oldest subscription */
+#define ROBUROC4_SIM_FULL_FORGETS 2 /* it replaces the oldest subscription */
 
 /** What a REPLACE of the localization gets. */
 #define ROBUROC4_SIM_REPLACE_OBEYED 0
@@ -169,7 +169,7 @@ typedef struct roburoc4_sim_config {
     uint32_t late_targets;           /* 1: statuses have the target after the dead time; 0 */
     float speed_noise;               /* on reported speeds, m/s and rad/s, 0 to 0.02; 0 */
     uint32_t odometry_period_cycles; /* between measurements of speeds and pose, 1 to 20; 1 */
-    float odometry_scale;            /* of its way and turn, -2 to 2; 1 */
+    float odometry_scale;            /* of distance and angle, -2 to 2; 1 */
     uint32_t odometry_mirrored;      /* 1: turns count clockwise; 0 */
     /* Delays inside of the robot, 0 to ROBUROC4_SIM_MAX_QUEUE_MS, in queues of their own: what it
      * receives, answers, texts, and the statuses of each service; 0. */

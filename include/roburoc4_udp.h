@@ -111,10 +111,10 @@ ROBUROC4_API const char *roburoc4_udp_fault_text(uint32_t fault);
 #define ROBUROC4_UDP_COUNT_RECONNECTS 6 /* times that the socket was connected again */
 #define ROBUROC4_UDP_COUNTERS 7
 
-/** The longest datagram that is received; a RobuROC4's longest is 65 bytes, and one that fills
- *  every capacity of the client is below 1000. */
+/** The longest datagram that is received: more than ROBUROC4_MAX_RECEIVE, so that recordings have
+ *  what the client cannot use, too. */
 #define ROBUROC4_UDP_MAX_RECEIVE 2048
-/** The most datagrams that one roburoc4_udp_wait() reads. */
+/** The most datagrams that one roburoc4_udp_receive() or _wait() reads. */
 #define ROBUROC4_UDP_BURST 64
 
 /** A connected socket. Declare one, and read the first fields once roburoc4_udp_open() was called;
@@ -139,8 +139,8 @@ typedef struct roburoc4_udp {
  *  An unreachable network is not an error: the field fault says why, and later calls connect again,
  *  at most once a second. The socket is not inherited by child programs. ROBUROC4_ERR_SIZE: header
  *  and library differ. ROBUROC4_ERR_ARGUMENT: not an address of roburoc4_udp_resolve().
- *  ROBUROC4_ERR_SYSTEM: no socket; the field system_error says why. After an error the socket
- *  counts as closed. */
+ *  ROBUROC4_ERR_SYSTEM: no socket; the field system_error says why. After any other error than
+ *  _SIZE the socket counts as closed. */
 ROBUROC4_API roburoc4_result roburoc4_udp_open(roburoc4_udp *udp, size_t udp_size,
                                                const roburoc4_address *address);
 /** The same, sending from this local address and port: for a computer with several networks, or a
@@ -162,29 +162,27 @@ ROBUROC4_API intptr_t roburoc4_udp_fd(const roburoc4_udp *udp);
 
 /* ------------------------------------------------------------------------------ datagrams --- */
 
-/** Results of roburoc4_udp_receive_one(). */
-#define ROBUROC4_UDP_NOTHING 0 /* no datagram is waiting */
-#define ROBUROC4_UDP_USED 1    /* the client used one */
-#define ROBUROC4_UDP_DROPPED 2 /* the client dropped one, and counted why */
+/** What roburoc4_udp_receive() calls after it passed a datagram to the client, with the `context`
+ * that it was given. The datagram is valid until the function returns. It may call the client, and
+ *  roburoc4_udp_transmit_all(). */
+typedef void (*roburoc4_udp_seen)(void *context, const uint8_t *datagram, size_t size);
 
-/** Receive a datagram, if one is waiting, and pass it to the client; never waits. To see every
- *  status, read the client's values after each ROBUROC4_UDP_USED. *datagram and *size (each pointer
- *  may be NULL) are set to the datagram, which is valid until the next call with this udp; *size is
- *  0 with ROBUROC4_UDP_NOTHING. ROBUROC4_ERR_CLOSED; ROBUROC4_ERR_SYSTEM: the socket itself is
- *  unusable (not: the network). */
-ROBUROC4_API roburoc4_result roburoc4_udp_receive_one(roburoc4_udp *udp, roburoc4_client *client,
-                                                      const uint8_t **datagram, size_t *size);
+/** Pass the datagrams that are waiting to the client: up to ROBUROC4_UDP_BURST, or until the client
+ *  has something to send; never waits. To see every status, read the client's values in `seen`
+ *  (which may be NULL). Returns how many datagrams the client used. ROBUROC4_ERR_CLOSED;
+ *  ROBUROC4_ERR_SYSTEM: the socket itself is unusable (not: the network). */
+ROBUROC4_API roburoc4_result roburoc4_udp_receive(roburoc4_udp *udp, roburoc4_client *client,
+                                                  roburoc4_udp_seen seen, void *context);
 /** Send everything that the client has to send; never waits. Returns how many datagrams the system
  *  accepted. ROBUROC4_ERR_CLOSED. Call it after every client call that changes something (drive(),
  *  stop(), set_digital_outputs() ...), or let roburoc4_udp_wait() do it. */
 ROBUROC4_API roburoc4_result roburoc4_udp_transmit_all(roburoc4_udp *udp, roburoc4_client *client);
 
 /** Send what is due; wait until a datagram arrives, the client's deadline is reached, timeout_us
- *  has passed or a signal handler ran (timeout_us 0 does not wait); receive all waiting datagrams,
- *  up to ROBUROC4_UDP_BURST or until the client has something to send; and send that. Returns how
- *  many datagrams the client used. ROBUROC4_ERR_CLOSED; ROBUROC4_ERR_SYSTEM as for
- *  roburoc4_udp_receive_one(), without waiting. Windows rounds waiting times up to its timer's
- *  resolution (at most 16 ms). */
+ *  has passed or a signal handler ran (timeout_us 0 does not wait); receive as
+ *  roburoc4_udp_receive(), whose results these are; and send what is due then. With
+ *  ROBUROC4_ERR_SYSTEM it did not wait. Windows rounds waiting times up to its timer's resolution
+ *  (at most 16 ms). */
 ROBUROC4_API roburoc4_result roburoc4_udp_wait(roburoc4_udp *udp, roburoc4_client *client,
                                                uint32_t timeout_us);
 

@@ -186,7 +186,11 @@ bool command_decode_move(const void *data, size_t size, command *out) {
     out->theta_rad = read_double(&reader);
     out->linear_m_s = read_double(&reader);
     out->angular_rad_s = read_double(&reader);
+    out->max_linear_m_s2 = read_double(&reader);
+    out->max_angular_rad_s2 = read_double(&reader);
     out->clearance_m = read_double(&reader);
+    out->timeout_ms = read_int32(&reader);
+    out->allow_turns = read_bits(&reader, 1) != 0;
     out->lease_us = read_int32(&reader);
     return !reader.failed && reader.left == 0;
 }
@@ -218,7 +222,8 @@ static bool has_finite_values(const command *command) {
     bool finite = is_finite(command->linear_m_s) && is_finite(command->angular_rad_s) &&
                   is_finite(command->x_m) && is_finite(command->y_m) &&
                   is_finite(command->theta_rad) && is_finite(command->distance_m) &&
-                  is_finite(command->angle_rad) && is_finite(command->clearance_m);
+                  is_finite(command->angle_rad) && is_finite(command->clearance_m) &&
+                  is_finite(command->max_linear_m_s2) && is_finite(command->max_angular_rad_s2);
     for (uint32_t at = 0; at < command->analog_count; at++) {
         uint32_t bits = 0;
         memcpy(&bits, &command->analog[at].value, sizeof bits);

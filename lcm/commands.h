@@ -40,7 +40,9 @@ typedef struct command {
     bool is_move;               /* then its kind is GATE_DRIVE, and its speeds are limits */
     int32_t move_kind;
     int64_t move_id;
-    double distance_m, angle_rad, clearance_m;
+    double distance_m, angle_rad, clearance_m, max_linear_m_s2, max_angular_rad_s2;
+    int32_t timeout_ms;
+    bool allow_turns;
     uint64_t digital_mask; /* output: which digital outputs to set, and to what */
     uint64_t digital_values;
     bool digital_beyond; /* an index is above those that the client stores */

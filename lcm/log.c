@@ -101,7 +101,7 @@ static const char *event_text(uint32_t event, const roburoc4_facts *facts) {
 /* Stops are logged with their sender, and an ended stream of commands is none of the robot's
  * faults: the next one arms again. */
 static bool is_worth_a_note(int32_t disarm_cause) {
-    return disarm_cause != ROBUROC4_ERR_DISARMED && disarm_cause != ROBUROC4_ERR_STOPPED &&
+    return disarm_cause != ROBUROC4_ERR_DISARMED && disarm_cause != ROBUROC4_ERR_STOP_CALLED &&
            disarm_cause != ROBUROC4_ERR_LAPSED;
 }
 

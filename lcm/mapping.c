@@ -88,7 +88,7 @@ void mapping_telemeter(const roburoc4_distances *in, const roburoc4_telemeter *k
     }
     out->utime = utime;
     out->robot_cycles = (int64_t)in->robot_cycles;
-    out->count = (int32_t)in->count;
+    out->telemeter_count = (int32_t)in->count;
     out->telemeters = storage;
 }
 
@@ -227,6 +227,8 @@ void mapping_properties(const roburoc4_client *client, const roburoc4_config *co
     out->robot = robot;
     out->ceiling_linear_m_s = config->max_linear_m_s;
     out->ceiling_angular_rad_s = config->max_angular_rad_s;
+    out->scale_linear = config->scale_linear;
+    out->scale_angular = config->scale_angular;
     map_differential_properties(client, out);
     map_small_properties(client, out);
     map_telemeter_properties(client, storage, out);

@@ -99,7 +99,7 @@ typedef struct mapping_view {
     bool other_bridge; /* another bridge serves this robot, or publishes on its channels */
     uint32_t times_lost, reboots;
     int64_t command_us; /* monotonic time of the last command; -1 before the first */
-    int64_t superseded, clamped, published, publish_errors;
+    int64_t moves, superseded, clamped, published, publish_errors;
     enum gate_verdict rejected; /* why the last rejected command was rejected; GATE_TAKEN before the
                                  * first */
     const char *rejected_sender, *rejected_why;

@@ -10,7 +10,7 @@
 #include "roburoc4_udp.h"
 #include "text.h"
 
-#define FAULT(name) ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_##name
+#define PROBLEM(name) ROBUROC4_LCM_BRIDGE_STATE_T_PROBLEM_##name
 #define SILENT_US 1000000u
 
 static bool is_silent(const mapping_view *view) {
@@ -22,31 +22,31 @@ static int32_t network_fault(uint32_t fault) {
     case ROBUROC4_FAULT_NONE:
         return 0;
     case ROBUROC4_FAULT_REFUSED:
-        return FAULT(REFUSED);
+        return PROBLEM(REFUSED);
     case ROBUROC4_FAULT_UNREACHABLE:
-        return FAULT(UNREACHABLE);
+        return PROBLEM(UNREACHABLE);
     case ROBUROC4_FAULT_DOWN:
-        return FAULT(DOWN);
+        return PROBLEM(DOWN);
     case ROBUROC4_FAULT_DENIED:
-        return FAULT(DENIED);
+        return PROBLEM(DENIED);
     case ROBUROC4_FAULT_FULL:
-        return FAULT(FULL);
+        return PROBLEM(FULL);
     default:
-        return FAULT(OTHER);
+        return PROBLEM(OTHER);
     }
 }
 
-static int32_t fault_bits(const mapping_view *view) {
+static int32_t problem_bits(const mapping_view *view) {
     const roburoc4_facts *facts = view->facts;
     int32_t bits = network_fault(view->fault);
-    bits |= is_silent(view) ? FAULT(SILENT) : 0;
-    bits |= view->no_socket ? FAULT(SOCKET) : 0;
-    bits |= view->other_bridge ? FAULT(OTHER_BRIDGE) : 0;
-    bits |= facts->other_commander ? FAULT(OTHER_COMMANDER) : 0;
-    bits |= facts->inhibited ? FAULT(INHIBITED) : 0;
-    bits |= facts->front_bumper ? FAULT(FRONT_BUMPER) : 0;
-    bits |= facts->rear_bumper ? FAULT(REAR_BUMPER) : 0;
-    bits |= facts->battery_low ? FAULT(BATTERY_LOW) : 0;
+    bits |= is_silent(view) ? PROBLEM(SILENT) : 0;
+    bits |= view->no_socket ? PROBLEM(SOCKET) : 0;
+    bits |= view->other_bridge ? PROBLEM(OTHER_BRIDGE) : 0;
+    bits |= facts->other_commander ? PROBLEM(OTHER_COMMANDER) : 0;
+    bits |= facts->inhibited ? PROBLEM(INHIBITED) : 0;
+    bits |= facts->front_bumper ? PROBLEM(FRONT_BUMPER) : 0;
+    bits |= facts->rear_bumper ? PROBLEM(REAR_BUMPER) : 0;
+    bits |= facts->battery_low ? PROBLEM(BATTERY_LOW) : 0;
     return bits;
 }
 
@@ -66,8 +66,8 @@ static void map_motion(const mapping_view *view, mapping_texts *storage,
     out->stopping = (int8_t)facts->stopping;
     out->stop_outcome = facts->stop_outcome;
     out->lapsed = (int8_t)facts->lapsed;
-    out->waiting = gate_is_waiting(gate, view->now.us);
-    out->stopped = gate->stopped;
+    out->awaiting_pause = gate_is_waiting(gate, view->now.us);
+    out->stop_latched = gate->stopped;
     out->stopped_by = storage->stopped_by;
     out->override_known = (int8_t)facts->override_known;
     out->overridden = (int8_t)facts->overridden;
@@ -75,10 +75,11 @@ static void map_motion(const mapping_view *view, mapping_texts *storage,
     out->rear_bumper_known = (int8_t)facts->rear_bumper_known;
     out->battery_known = (int8_t)facts->battery_known;
     out->missing = facts->missing;
+    out->relocalize_result = facts->relocalize_result;
     out->control_owner = storage->owner;
     out->lease_left_us = (int32_t)facts->lease_left_us;
     out->command_age_us = view->command_us < 0 ? -1 : (int64_t)view->now.us - view->command_us;
-    out->robot_age_us = view->heard ? (int64_t)view->link->silence_us : -1;
+    out->silence_us = view->heard ? (int64_t)view->link->silence_us : -1;
 }
 
 static void map_rules(const gate_rules *rules, roburoc4_lcm_bridge_state_t *out) {
@@ -110,12 +111,13 @@ void mapping_bridge_state(const mapping_view *view, mapping_texts *storage,
     out->state = (int32_t)view->facts->state;
     out->disarm_cause = view->facts->disarm_cause;
     out->arm_refusal = view->facts->arm_refusal;
-    out->faults = fault_bits(view);
+    out->problems = problem_bits(view);
     mapping_message(view, storage->message, sizeof storage->message);
     out->message = storage->message;
     map_motion(view, storage, out);
     map_rejection(view, storage, out);
     map_rules(&view->gate->rules, out);
+    out->version = ROBUROC4_VERSION;
 }
 
 /* ------------------------------------------------------------------------------ statistics --- */
@@ -144,6 +146,7 @@ void mapping_bridge_statistics(const mapping_view *view, roburoc4_lcm_bridge_sta
     out->utime = view->now.utime;
     out->robot = view->robot;
     out->accepted_drive = taken[GATE_DRIVE];
+    out->accepted_move = view->moves;
     out->accepted_relocalize = taken[GATE_RELOCALIZE];
     out->accepted_output = taken[GATE_OUTPUT];
     out->accepted_stop = taken[GATE_STOP];
@@ -186,7 +189,7 @@ static void write_ready(const mapping_view *view, char *room, size_t capacity) {
         const char *by = view->gate->stopped_by;
         (void)snprintf(room, capacity, "stopped%s%s; %s", by[0] != '\0' ? " by " : "", by, next);
     } else if (facts->armed || facts->disarm_cause == ROBUROC4_ERR_DISARMED ||
-               facts->disarm_cause == ROBUROC4_ERR_STOPPED) {
+               facts->disarm_cause == ROBUROC4_ERR_STOP_CALLED) {
         (void)snprintf(room, capacity, "ready; %s", next);
     } else {
         const char *text = roburoc4_result_text(facts->disarm_cause);

@@ -339,8 +339,16 @@ static bool set_period(reading *reading, const known_option *option, const char 
     return true;
 }
 
+/* Read and close a file; false unless all of it fits into the room, with a byte to spare. */
+static bool read_whole(FILE *file, char *text, size_t size, size_t *length) {
+    *length = fread(text, 1, size, file);
+    const bool good = ferror(file) == 0 && *length < size;
+    (void)fclose(file);
+    return good;
+}
+
 static bool set_robot_file(reading *reading, const known_option *option, const char *value) {
-    char text[ROBUROC4_ROBOT_FILE_SIZE];
+    char text[4 * ROBUROC4_ROBOT_FILE_SIZE]; /* with room for comments */
     roburoc4_robot_file file;
     const char *remedy = NULL;
     uint32_t line = 0;
@@ -349,8 +357,10 @@ static bool set_robot_file(reading *reading, const known_option *option, const c
     if (opened == NULL) {
         return refuse(reading, "cannot be opened; give a file of roburoc4 first-contact");
     }
-    const size_t length = fread(text, 1, sizeof text, opened);
-    (void)fclose(opened);
+    size_t length = 0;
+    if (!read_whole(opened, text, sizeof text, &length)) {
+        return refuse(reading, "cannot be read, or is longer than 24 kB");
+    }
     if (roburoc4_robot_file_read(&file, text, length, &line, &remedy) < 0) {
         return complain(reading, "%s: line %u: %s", reading->subject, (unsigned)line, remedy);
     }
@@ -390,6 +400,7 @@ static options_robot *add_robot(reading *reading, const char *name, size_t lengt
         return NULL;
     }
     memcpy(robot->name, name, length);
+    robot->prefix = prefix;
     prefix = length > 0 ? robot->name : prefix;
     if (!channels_is_name(prefix) || !channels_set_prefix(&robot->channels, prefix)) {
         (void)complain(reading,
@@ -421,6 +432,9 @@ static bool set_robot(reading *reading, const known_option *option, const char *
     }
     if (equals != NULL && length == 0) {
         return refuse(reading, "a name is missing before the =");
+    }
+    if (value[equals != NULL ? length + 1 : 0] == '\0') {
+        return refuse(reading, "the address is missing; give HOST, HOST:PORT or NAME=HOST");
     }
     options_robot *robot =
         add_robot(reading, value, length, reading->prefix != NULL ? reading->prefix : "ROBUROC4");
@@ -763,10 +777,8 @@ static enum options_result read_file(reading *reading) {
         (void)complain(reading, "--config %s: %s", name, strerror(errno));
         return OPTIONS_BAD;
     }
-    size_t length = fread(text, 1, sizeof text, file);
-    bool good = ferror(file) == 0 && length < sizeof text;
-    (void)fclose(file);
-    if (!good) {
+    size_t length = 0;
+    if (!read_whole(file, text, sizeof text, &length)) {
         (void)complain(reading, "--config %s: give a text file of less than 1 MiB", name);
         return OPTIONS_BAD;
     }

@@ -27,6 +27,7 @@ extern "C" {
 /* A robot and its own settings. */
 typedef struct options_robot {
     char name[46];                   /* "" if it was not given */
+    const char *prefix;              /* of its channels, if it has no name */
     char host[OPTIONS_MAX_TEXT + 1]; /* as given */
     unsigned line;                   /* in the file; 0: from the command line */
     roburoc4_address address;        /* family 0: the name has no address */

@@ -9,14 +9,13 @@
 
 static void print_channels(const options_robot *robot) {
     channel_names usual;
-    const char *prefix = robot->name[0] != '\0' ? robot->name : NULL;
+    const char *prefix = robot->name[0] != '\0' ? robot->name : robot->prefix;
     (void)printf("    stop by %s", robot->channels.name[CHANNEL_STOP_CMD]);
     if (robot->rules.enabled[GATE_DRIVE]) {
         (void)printf(", drive by %s", robot->channels.name[CHANNEL_DRIVE_CMD]);
     }
     (void)printf(", state on %s\n", robot->channels.name[CHANNEL_BRIDGE_STATE]);
-    for (uint32_t at = 0; prefix != NULL && channels_set_prefix(&usual, prefix) && at < CHANNELS;
-         at++) {
+    for (uint32_t at = 0; channels_set_prefix(&usual, prefix) && at < CHANNELS; at++) {
         if (strcmp(usual.name[at], robot->channels.name[at]) != 0) {
             (void)printf("    channel %s%s%s\n", robot->channels.name[at],
                          usual.name[at][0] != '\0' ? " instead of " : "", usual.name[at]);

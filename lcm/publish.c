@@ -130,6 +130,16 @@ static const char *move_text(int32_t outcome) {
     case ROBUROC4_MOVE_TOO_FAST:
         return "a speed beyond the ceilings: ask for less, or start the bridge with a higher "
                "--max-linear or --max-angular";
+    case ROBUROC4_MOVE_NO_FRONT_BUMPER:
+        return "the front bumper is not known: set it in --robot-file, or send a negative "
+               "clearance_m";
+    case ROBUROC4_MOVE_NO_REAR_BUMPER:
+        return "the rear bumper is not known: set it in --robot-file, or send a negative "
+               "clearance_m";
+    case ROBUROC4_MOVE_NO_FRONT_TELEMETER:
+        return "no fresh distance ahead: check the front telemeter, or send a negative clearance_m";
+    case ROBUROC4_MOVE_NO_REAR_TELEMETER:
+        return "no fresh distance behind: check the rear telemeter, or send a negative clearance_m";
     default:
         return roburoc4_move_outcome_text(outcome);
     }
@@ -142,6 +152,7 @@ void publish_move_status(robot *robot, gate_time now) {
         .sender = (char *)moving->sender, /* LCM's encoders only read */
         .move_id = moving->id,
         .outcome = moving->move.outcome,
+        .cause = moving->move.cause,
         .message = (char *)move_text(moving->move.outcome),
         .distance_m = (double)moving->move.distance_m,
         .angle_rad = (double)moving->move.angle_rad,
@@ -175,6 +186,7 @@ static void publish_bridge(robot *robot, bool statistics, gate_time now) {
         .times_lost = roburoc4_client_count(&robot->client, ROBUROC4_COUNT_LOST),
         .reboots = roburoc4_client_count(&robot->client, ROBUROC4_COUNT_REBOOTS),
         .command_us = robot->command_us,
+        .moves = robot->moves,
         .superseded = robot->superseded,
         .clamped = robot->clamped,
         .published = robot->published,

@@ -51,13 +51,13 @@ static void write_reason(const robot *robot, enum gate_verdict verdict, const lo
                        "its utime is not of this year: give microseconds since 1970");
     } else if (verdict == GATE_UNITS && command->is_move) {
         (void)snprintf(room, capacity,
-                       "angles are in radians, at most two turns; speeds in m/s and rad/s, at most "
-                       "5 and 10");
+                       "angles are in radians, beyond two turns only with allow_turns; speeds in "
+                       "m/s and rad/s, at most 5 and 10");
     } else if (verdict == GATE_IMPOSSIBLE && command->is_move) {
         (void)snprintf(
             room, capacity,
             "there is no such move: its kind is BY, TO_POINT or TO_POSE, it is at most 10 "
-            "km long and turns by at most 10000 rad");
+            "km long and turns by at most 10000 rad, with speeds and accelerations above 0");
     } else if (verdict == GATE_DISARMED && refusal < 0) {
         (void)snprintf(room, capacity, "the robot cannot be armed: %s",
                        roburoc4_result_text(refusal));
@@ -131,15 +131,24 @@ static roburoc4_result set_outputs(robot *robot, const command *command, uint64_
     return result;
 }
 
+static void set_if_positive(float *setting, double value) {
+    if (value > 0) {
+        *setting = command_speed(value);
+    }
+}
+
 /* Begin a move in *move. */
 static roburoc4_result begin_move(roburoc4_move *move, const command *command) {
     roburoc4_move_options how;
     (void)roburoc4_move_options_init(&how, sizeof how);
-    how.linear_m_s = command->linear_m_s > 0 ? command_speed(command->linear_m_s) : how.linear_m_s;
-    how.angular_rad_s =
-        command->angular_rad_s > 0 ? command_speed(command->angular_rad_s) : how.angular_rad_s;
-    how.clearance_m =
-        command->clearance_m >= 0 ? command_speed(command->clearance_m) : how.clearance_m;
+    set_if_positive(&how.max_linear_m_s, command->linear_m_s);
+    set_if_positive(&how.max_angular_rad_s, command->angular_rad_s);
+    set_if_positive(&how.max_linear_m_s2, command->max_linear_m_s2);
+    set_if_positive(&how.max_angular_rad_s2, command->max_angular_rad_s2);
+    set_if_positive(&how.clearance_m, command->clearance_m);
+    how.clearance_m = command->clearance_m < 0 ? 0 : how.clearance_m;
+    how.timeout_ms = command->timeout_ms > 0 ? (uint32_t)command->timeout_ms : 0;
+    how.allow_turns = command->allow_turns;
     switch (command->move_kind) {
     case ROBUROC4_LCM_MOVE_COMMAND_T_KIND_BY:
         return roburoc4_move_by(move, command_speed(command->distance_m),
@@ -188,11 +197,13 @@ static void take_move(robot *robot, const command *command, uint32_t lease_us, g
         }
         *moving = wanted;
         robot->move_status.due = true;
+    } else if (!moving->active || robot->has_drive) {
+        return; /* it has ended, or the speed that was read before ends it; it counts nowhere */
     }
     robot->superseded += robot->has_drive;
     robot->has_drive = false;
     robot->command_us = (int64_t)now.us;
-    gate_count_taken(&robot->gate, GATE_DRIVE);
+    robot->moves++;
     moving->until_us = now.us + lease_us;
 }
 
@@ -292,17 +303,19 @@ void robot_take_message(robot *robot, enum channel channel, const void *data, si
 /* ---------------------------------------------------------------------------------- motion --- */
 
 /* Whether the speed was reduced: to the robot's limits, or to the configured ceiling. */
-static bool is_beyond(float asked, float min, float max, float ceiling) {
-    return asked > max || asked < min || asked > ceiling || asked < -ceiling;
+static bool is_beyond(float asked, float scale, float min, float max, float ceiling) {
+    const float sent = asked * scale, most = scale < 1 ? ceiling * scale : ceiling;
+    return sent > max || sent < min || sent > most || sent < -most;
 }
 
 static bool is_clamped(const robot *robot) {
+    const roburoc4_config *config = &robot->settings->config;
     roburoc4_differential_properties limits;
     return roburoc4_client_differential_properties(&robot->client, &limits) >= 0 &&
-           (is_beyond(robot->drive.linear_m_s, limits.min_linear_m_s, limits.max_linear_m_s,
-                      robot->settings->config.max_linear_m_s) ||
-            is_beyond(robot->drive.angular_rad_s, limits.min_angular_rad_s,
-                      limits.max_angular_rad_s, robot->settings->config.max_angular_rad_s));
+           (is_beyond(robot->drive.linear_m_s, config->scale_linear, limits.min_linear_m_s,
+                      limits.max_linear_m_s, config->max_linear_m_s) ||
+            is_beyond(robot->drive.angular_rad_s, config->scale_angular, limits.min_angular_rad_s,
+                      limits.max_angular_rad_s, config->max_angular_rad_s));
 }
 
 static void apply_drive(robot *robot, gate_time now) {
@@ -345,19 +358,15 @@ static const uint32_t status_events = ROBUROC4_EVENT_IOCARD | ROBUROC4_EVENT_TEL
                                       ROBUROC4_EVENT_BATTERY | ROBUROC4_EVENT_LOCALIZATION |
                                       ROBUROC4_EVENT_DIFFERENTIAL;
 
-/* The events that are not statuses; they are rare. */
+/* The events that are not statuses. They are rare, so each has everything published again. */
 static void handle_change(robot *robot, uint32_t events, gate_time now) {
     gate_heed_events(&robot->gate, &robot->client, events, now.us);
     if (events & ROBUROC4_EVENT_REBOOT) {
         memset(&robot->names, 0, sizeof robot->names);
     }
-    if (events & ROBUROC4_EVENT_PROPERTIES) {
-        learn_telemeters(robot);
-    }
-    if (events & (ROBUROC4_EVENT_PROPERTIES | ROBUROC4_EVENT_DESCRIPTIONS_DONE)) {
-        robot->properties.due = true;
-    }
     if (events & ~(status_events | (uint32_t)ROBUROC4_EVENT_DESCRIPTION)) {
+        learn_telemeters(robot);
+        robot->properties.due = true;
         robot->state.due = true;
     }
     log_events(robot->name, robot->address, &robot->client, events, now.us);
@@ -413,30 +422,23 @@ static void lose_socket(robot *robot, roburoc4_result why, gate_time now) {
     (void)roburoc4_udp_close(&robot->udp);
 }
 
-/* Each datagram is published before the next is read, so that no status is skipped. The client may
- * send in between. */
+/* Publishes a datagram before the next is read, so that no status is skipped; the client may send
+ * in between. */
+static void seen(void *context, const uint8_t *datagram, size_t size) {
+    robot *robot = context;
+    robot->heard = true;
+    if (robot->logged_no_socket) {
+        robot->logged_no_socket = false;
+        log_line(LOG_NOTE, robot->name, "its socket works again");
+    }
+    handle_events(robot, datagram, size, clock_now());
+    (void)roburoc4_udp_transmit_all(&robot->udp, &robot->client);
+}
+
 static void receive(robot *robot) {
-    for (uint32_t count = 0; count < ROBUROC4_UDP_BURST; count++) {
-        const uint8_t *datagram = NULL;
-        size_t size = 0;
-        roburoc4_result result =
-            roburoc4_udp_receive_one(&robot->udp, &robot->client, &datagram, &size);
-        gate_time now = clock_now();
-        if (result < 0) {
-            lose_socket(robot, result, now);
-        }
-        if (result < 0 || result == ROBUROC4_UDP_NOTHING) {
-            return;
-        }
-        robot->heard = true;
-        if (robot->logged_no_socket) {
-            robot->logged_no_socket = false;
-            log_line(LOG_NOTE, robot->name, "its socket works again");
-        }
-        if (result == ROBUROC4_UDP_USED) {
-            handle_events(robot, datagram, size, now);
-            (void)roburoc4_udp_transmit_all(&robot->udp, &robot->client);
-        }
+    const roburoc4_result result = roburoc4_udp_receive(&robot->udp, &robot->client, seen, robot);
+    if (result < 0) {
+        lose_socket(robot, result, clock_now());
     }
 }
 

@@ -82,7 +82,7 @@ typedef struct robot {
     bool logged_absent, logged_no_socket;
     robot_publication state, statistics, properties, move_status;
     int64_t command_us; /* when the last command was obeyed, or -1 */
-    int64_t superseded, clamped, published, publish_errors;
+    int64_t moves, superseded, clamped, published, publish_errors;
 } robot;
 
 /* Open the socket and start the client. If no socket can be opened, retry every second. The struct

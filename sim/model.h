@@ -164,7 +164,7 @@ static inline bool sim_is_finite(double value) {
 
 /* Sizes that a struct of another version may have; the size says which members there are. */
 static inline bool sim_size_is_valid(size_t size, size_t own) {
-    return size >= 8 && size <= own && size % 8 == 0;
+    return size >= 8 && size <= own && size % 4 == 0;
 }
 
 /* Wraps to -pi..pi. */

@@ -22,8 +22,7 @@ typedef struct flight {
 
 struct sim_network {
     roburoc4_sim_faults faults;
-    sim_network_counts counts;
-    uint64_t random;
+    uint64_t random, pushed;
     uint64_t last_arrival_us; /* of the datagrams that are not reordered */
     uint32_t capacity, longest, in_flight;
     flight *heap; /* by arrival, then order; free slots from in_flight on */
@@ -162,17 +161,15 @@ static void launch(sim_network *network, uint64_t peer, const uint8_t *data, siz
     double held_us =
         REORDER_MIN_US + sim_random_unit(&network->random) * (REORDER_MAX_US - REORDER_MIN_US);
     if (network->in_flight == network->capacity) {
-        network->counts.dropped++;
         return;
     }
     flight *one = &network->heap[network->in_flight];
     one->peer = peer;
     one->length = (uint32_t)size;
-    one->order = network->counts.pushed;
+    one->order = network->pushed;
     one->arrival_us = plus(now_us, (double)faults->delay_us + jitter_us);
     memcpy(bytes_of(network, one), data, size);
     if (reorder) {
-        network->counts.reordered++;
         one->arrival_us = plus(one->arrival_us, held_us);
     } else {
         if (one->arrival_us < network->last_arrival_us) {
@@ -181,7 +178,6 @@ static void launch(sim_network *network, uint64_t peer, const uint8_t *data, siz
         network->last_arrival_us = one->arrival_us;
     }
     if (corrupt) {
-        network->counts.corrupted++;
         damage(network, one);
     }
     sift_up(network->heap, network->in_flight);
@@ -190,9 +186,8 @@ static void launch(sim_network *network, uint64_t peer, const uint8_t *data, siz
 
 void sim_network_push(sim_network *network, uint64_t peer, const uint8_t *data, size_t size,
                       uint64_t now_us) {
-    network->counts.pushed++;
+    network->pushed++;
     if (size == 0 || size > network->longest) {
-        network->counts.dropped++;
         return;
     }
     /* After a clock was set back, new datagrams must not wait for the old time. */
@@ -202,12 +197,10 @@ void sim_network_push(sim_network *network, uint64_t peer, const uint8_t *data, 
     bool lost = sim_random_unit(&network->random) < network->faults.loss;
     bool twice = sim_random_unit(&network->random) < network->faults.duplicate;
     if (lost) {
-        network->counts.lost++;
         return;
     }
     launch(network, peer, data, size, now_us);
     if (twice) {
-        network->counts.duplicated++;
         launch(network, peer, data, size, now_us);
     }
 }
@@ -232,14 +225,9 @@ roburoc4_result sim_network_poll(sim_network *network, uint64_t now_us, uint64_t
     network->in_flight--;
     swap(first, &network->heap[network->in_flight]);
     sift_down(network->heap, network->in_flight);
-    network->counts.delivered++;
     return (roburoc4_result)length;
 }
 
 uint64_t sim_network_next_deadline(const sim_network *network) {
     return network->in_flight == 0 ? UINT64_MAX : network->heap[0].arrival_us;
-}
-
-void sim_network_count(const sim_network *network, sim_network_counts *counts) {
-    *counts = network->counts;
 }

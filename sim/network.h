@@ -25,7 +25,7 @@ sim_network *sim_network_create(const roburoc4_sim_faults *faults, uint64_t seed
 void sim_network_destroy(sim_network *network);
 /* Change the faults; what is in flight stays unchanged. Results as of sim_faults_take(). */
 roburoc4_result sim_network_set_faults(sim_network *network, const roburoc4_sim_faults *faults);
-/* Send a datagram. One that is empty, too long, or finds the network full is dropped and counted.
+/* Send a datagram. One that is empty, too long, or finds the network full is dropped.
  * `peer` is any number, and is returned with the datagram. */
 void sim_network_push(sim_network *network, uint64_t peer, const uint8_t *data, size_t size,
                       uint64_t now_us);
@@ -35,14 +35,6 @@ roburoc4_result sim_network_poll(sim_network *network, uint64_t now_us, uint64_t
                                  uint8_t *buffer, size_t capacity);
 /* When the next datagram arrives; UINT64_MAX when none is in flight. */
 uint64_t sim_network_next_deadline(const sim_network *network);
-
-/* What a network did so far. */
-typedef struct sim_network_counts {
-    uint64_t pushed, delivered;
-    uint64_t lost, duplicated, reordered, corrupted; /* by its faults */
-    uint64_t dropped;                                /* full, empty or too long */
-} sim_network_counts;
-void sim_network_count(const sim_network *network, sim_network_counts *out);
 
 #ifdef __cplusplus
 }

@@ -148,8 +148,8 @@ static void set_all(roburoc4_sim *sim, uint32_t service, uint8_t period_cycles) 
 uint8_t sim_peers_subscribe(roburoc4_sim *sim, uint64_t key, uint32_t service,
                             uint8_t period_cycles) {
     uint32_t count = 0;
-    sim_peer *peer = sim_peers_find(sim, key);
-    peer = peer != NULL ? peer : sim_peers_heard(sim, key, true);
+    const int32_t slot = sim_peers_slot(sim, key);
+    sim_peer *peer = slot < 0 ? sim_peers_heard(sim, key, true) : &sim->peers[slot];
     if (peer == NULL) {
         return ROBUROC4_ERROR_SERVICE; /* the table is full of active subscribers */
     }

@@ -95,6 +95,8 @@ static inline int32_t i32_from_bits(uint32_t bits) {
     return value;
 }
 
+#define F32_NAN 0x7FC00000U
+
 static inline float f32_from_bits(uint32_t bits) {
     float value;
     memcpy(&value, &bits, sizeof value);
@@ -139,6 +141,11 @@ static inline bool is_zero(float value) {
 /** Whether it is a number from -limit to limit. */
 static inline bool within_f32(float value, float limit) {
     return magnitude_bits(value) <= bits_from_f32(limit);
+}
+
+/** Whether a reported target or speed, in m/s or rad/s, is a rounded zero. */
+static inline bool nearly_zero(float value) {
+    return within_f32(value, 1e-3F);
 }
 
 /** In units of two to the power of -bits, rounded towards zero; FIXED_MOST for anything larger, for

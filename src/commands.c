@@ -115,7 +115,7 @@ static roburoc4_result output_count(const client *c, uint32_t io_type, int32_t c
         return ROBUROC4_ERR_NOT_READY;
     }
     if ((c->private_discovery.known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
-        return ROBUROC4_ERR_UNKNOWN;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     if (c->private_link.resubscribed && expects_statuses(c)) {
         return ROBUROC4_ERR_NOT_READY; /* it may have restarted: its first status tells */
@@ -189,7 +189,7 @@ roburoc4_result roburoc4_client_relocalize(client *c, double x_m, double y_m, do
         return ROBUROC4_ERR_NOT_READY;
     }
     if ((c->private_discovery.listed & service_bit(ROBUROC4_SERVICE_LOCALIZATION)) == 0) {
-        return ROBUROC4_ERR_UNKNOWN;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     begin_call(c, now_us);
     roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_REPLACE,
@@ -198,7 +198,7 @@ roburoc4_result roburoc4_client_relocalize(client *c, double x_m, double y_m, do
     o->y_m = y_m;
     o->theta_rad = theta_rad;
     o->relocalizing = 1;
-    o->relocalize_result = ROBUROC4_ERR_UNKNOWN;
+    o->relocalize_result = ROBUROC4_ERR_NOT_KNOWN;
     o->relocalize_us = (uint32_t)now_us;
     o->moved = 0;
     o->unwatched = 0;

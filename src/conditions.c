@@ -52,7 +52,7 @@ static roburoc4_result not_fresh(const client *c, uint32_t service, roburoc4_res
         roburoc4_subscriptions_missing(&c->private_subscriptions, &c->private_config, d);
     return (missing & service_bit(service)) != 0 &&
                    (listed || !roburoc4_discovery_doubtful(d, &c->private_config))
-               ? ROBUROC4_ERR_NOT_SUBSCRIBED
+               ? ROBUROC4_ERR_SUBSCRIPTION_REFUSED
                : stale;
 }
 

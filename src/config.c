@@ -33,11 +33,12 @@ static const setting integers[] = {
 };
 
 static const float_setting floats[] = {
-    {AT(max_linear_m_s),    0.001F, 20,    1},
-    {AT(max_angular_rad_s), 0.001F, 50, 1.5F},
+    {AT(max_linear_m_s),    0.001F, 5,     1},
+    {AT(max_angular_rad_s), 0.001F, 10, 1.5F},
     {AT(scale_linear),       0.01F, 10,    1},
     {AT(scale_angular),      0.01F, 10,    1},
 };
+#undef AT
 /* clang-format on */
 
 #define COUNT(table) (sizeof(table) / sizeof((table)[0]))
@@ -68,8 +69,8 @@ static void set_defaults(roburoc4_config *config) {
     for (size_t i = 0; i < COUNT(floats); i++) {
         memcpy(base + floats[i].offset, &floats[i].preset, sizeof floats[i].preset);
     }
-    for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
-        config->role_index[role] = ROBUROC4_INDEX_AUTO;
+    for (size_t i = 0; i < COUNT(config->role_index); i++) {
+        config->role_index[i] = ROBUROC4_INDEX_AUTO;
     }
     config->iocard_id = ROBUROC4_ID_AUTO;
     config->differential_id = ROBUROC4_ID_AUTO;
@@ -198,8 +199,8 @@ const char *roburoc4_config_error(const roburoc4_config *config) {
         "robot_watchdog_ms: 100 to 60000",
         "options: unknown bit",
         "lapse_disarm_ms: 0 to 60000",
-        "max_linear_m_s: 0.001 to 20",
-        "max_angular_rad_s: 0.001 to 50",
+        "max_linear_m_s: 0.001 to 5",
+        "max_angular_rad_s: 0.001 to 10",
         "scale_linear: 0.01 to 10",
         "scale_angular: 0.01 to 10",
         "drive_period_ms: at most half of lease_ms",

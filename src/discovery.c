@@ -538,5 +538,5 @@ roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_confi
                                                : find_input(d, io_counts, role);
     }
     /* below 64, as the setting and the stored texts are */
-    return index >= 0 && index < io_counts[role_type(role)] ? index : ROBUROC4_ERR_UNKNOWN;
+    return index >= 0 && index < io_counts[role_type(role)] ? index : ROBUROC4_ERR_NOT_KNOWN;
 }

@@ -18,8 +18,6 @@
 /* This long after a command, a robot that seems to be at rest may still be changing its direction.
  */
 #define SETTLED_US (4 * SECOND)
-/* A reported target or speed up to this, in m/s or rad/s, is a rounded zero. */
-#define ROUNDING 1e-3F
 /* Fixed-point numbers: of speeds, and of wheels' speeds, which are exact to that of a float. */
 #define SPEED_BITS 20
 #define WHEEL_BITS 24
@@ -45,10 +43,6 @@ static const float rest_below[AXES] = {0.1F, 0.2F};
 
 /* ---- floats compared by their bits: for speed and size where floats are software, and for NaN,
  * which compilers may be told not to expect ---- */
-
-static bool nearly_zero(float value) {
-    return within_f32(value, ROUNDING);
-}
 
 static float clamp(float value, float low, float high) {
     return order_of(value) < order_of(low) ? low : order_of(value) > order_of(high) ? high : value;
@@ -125,8 +119,8 @@ void roburoc4_drive_pause(drive *d) {
 
 void roburoc4_drive_stop(drive *d, uint32_t *events) {
     roburoc4_drive_pause(d);
-    roburoc4_drive_interrupt(d, ROBUROC4_ERR_STOPPED, events);
-    d->disarm_cause = ROBUROC4_ERR_STOPPED; /* also if it was disarmed before */
+    roburoc4_drive_interrupt(d, ROBUROC4_ERR_STOP_CALLED, events);
+    d->disarm_cause = ROBUROC4_ERR_STOP_CALLED; /* also if it was disarmed before */
 }
 
 void roburoc4_drive_override(drive *d, bool overridden, bool known, uint32_t cycles) {
@@ -286,10 +280,13 @@ static float curve_share(const float *speeds, const float *low, const float *hig
     return f32_from_bits(share);
 }
 
-/** Scale, then reduce both speeds together, then clamp. */
+/** Scale, then reduce both speeds together, then clamp. A ceiling bounds the speed before and after
+ * it is scaled. */
 static void shape(const drive *d, const roburoc4_config *config,
                   const roburoc4_differential_properties *limits, float *speeds) {
-    const float ceiling[AXES] = {config->max_linear_m_s, config->max_angular_rad_s};
+    const float ceiling[AXES] = {
+        product(config->max_linear_m_s, clamp(config->scale_linear, 0, 1)),
+        product(config->max_angular_rad_s, clamp(config->scale_angular, 0, 1))};
     const float low[AXES] = {clamp(limits->min_linear_m_s, -ceiling[LINEAR], 0),
                              clamp(limits->min_angular_rad_s, -ceiling[ANGULAR], 0)};
     const float high[AXES] = {clamp(limits->max_linear_m_s, 0, ceiling[LINEAR]),
@@ -297,7 +294,7 @@ static void shape(const drive *d, const roburoc4_config *config,
     float share = 1;
     speeds[LINEAR] = product(d->target[LINEAR], config->scale_linear);
     speeds[ANGULAR] = product(d->target[ANGULAR], config->scale_angular);
-    if ((config->options & ROBUROC4_OPTION_TURN_KEEPING) != 0 && is_finite(limits->width_m) &&
+    if ((config->options & ROBUROC4_OPTION_KEEP_CURVATURE) != 0 && is_finite(limits->width_m) &&
         between(limits->width_m, WIDTH_MIN_M, WIDTH_MAX_M)) {
         share = curve_share(speeds, low, high, limits->width_m);
     }
@@ -380,7 +377,7 @@ static void end_stop_sequence(drive *d, uint32_t *events) {
     } else if (d->overridden) {
         d->outcome = ROBUROC4_STOP_OVERRIDDEN;
     }
-    *events |= confirmed ? ROBUROC4_EVENT_STOPPED : ROBUROC4_EVENT_STOP_UNCONFIRMED;
+    *events |= confirmed ? ROBUROC4_EVENT_STOP_CONFIRMED : ROBUROC4_EVENT_STOP_UNCONFIRMED;
 }
 
 /** Whether the next zero must be sent now. */

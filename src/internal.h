@@ -10,6 +10,7 @@
  *   follow.c     whether the robot follows its targets
  *   discovery.c  which service has which id, which texts are missing, which input is what
  *   subscriptions.c  which are wanted, requested, accepted, refused, and which fell silent
+ *   lifecycle.c  states, what ends with them, and the clock
  *
  * client.c, schedule.c, receive.c, conditions.c, commands.c and values.c put them together.
  */
@@ -371,7 +372,7 @@ bool roburoc4_discovery_services_passed(const discovery *d);
 bool roburoc4_discovery_inputs_passed(const discovery *d, const int32_t *io_counts);
 /** Once all texts were answered or given up: allow one more request for a missing one. */
 void roburoc4_discovery_ask_again(discovery *d, const int32_t *io_counts);
-/** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. In fixed-id mode, text and table must
+/** Index of the input with a role, or ROBUROC4_ERR_NOT_KNOWN. In fixed-id mode, text and table must
  * agree on [A]. */
 roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_config *config,
                                         const int32_t *io_counts, uint32_t role, uint8_t fixed_id);
@@ -433,7 +434,7 @@ static inline void forget_override(roburoc4_client *c) {
     c->private_conditions.overridden = 0;
 }
 
-/** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. */
+/** Index of the input with a role, or ROBUROC4_ERR_NOT_KNOWN. */
 static inline roburoc4_result index_of_role(const roburoc4_client *c, uint32_t role) {
     return roburoc4_discovery_role(&c->private_discovery, &c->private_config,
                                    c->private_values.io_counts, role,
@@ -450,7 +451,7 @@ static inline uint32_t probe_period_us(roburoc4_client *c) {
                                                                      : SECOND;
 }
 
-/* ---- client.c: the states, and what ends with them ---- */
+/* ---- lifecycle.c: the states, and what ends with them ---- */
 
 /** The remembered deadline is no longer valid. Whoever makes something due earlier calls this: all
  * that changes a state, a lease, a request or a time that poll_all() asks of, outside of a poll. */

@@ -345,12 +345,14 @@ static void learn_age(roburoc4_private_link *l, uint32_t late_us, uint64_t now_u
     }
 }
 
-/** Whether this status was made when its stamp says. Stamps of measured motion may be older, so the
- * IO card's are preferred where they come. */
-static bool dates_itself(const roburoc4_private_link *l, const service *s, uint64_t now_us) {
+/** Whether this status was made when its stamp says. Stamps of measured motion may be older, that
+ * of a service's first status by a whole refresh, so the IO card's are preferred where they come.
+ */
+static bool dates_itself(const roburoc4_private_link *l, const service *s, bool first,
+                         uint64_t now_us) {
     const service *card = &l->services[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)];
     return s < &l->services[STATUS_INDEX(ROBUROC4_SERVICE_LOCALIZATION)] ||
-           (now_us - card->received_us >= SECOND &&
+           (!first && now_us - card->received_us >= SECOND &&
             (uint32_t)now_us - l->card_inserted_us >= SECOND);
 }
 
@@ -446,12 +448,12 @@ static verdict judge_time(roburoc4_private_link *l, const service *s, uint64_t r
 
 /** What a status that counts tells of the clocks and of ages. */
 static void learn_times(roburoc4_private_link *l, const service *s, uint64_t transit,
-                        int32_t late_us, bool newest, uint64_t now_us) {
+                        int32_t late_us, bool newest, bool first, uint64_t now_us) {
     map_times(l, transit, late_us, now_us);
     if (l->slack_us > not_negative(late_us)) {
         l->slack_us = not_negative(late_us); /* the clock has not jumped by more */
     }
-    if (l->answered && dates_itself(l, s, now_us) && (newest || is_poor(l, now_us))) {
+    if (l->answered && dates_itself(l, s, first, now_us) && (newest || is_poor(l, now_us))) {
         l->answered = 0;
         learn_age(l, not_negative(late_us), now_us);
     }
@@ -460,7 +462,7 @@ static void learn_times(roburoc4_private_link *l, const service *s, uint64_t tra
 verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robot_cycles,
                              uint64_t now_us) {
     const uint64_t transit = transit_of(robot_cycles, now_us);
-    const bool newest = robot_cycles >= l->newest_cycles;
+    const bool newest = robot_cycles >= l->newest_cycles, first = s->seen == 0;
     int32_t late_us = (int32_t)(transit - l->floor_us); /* if it is on time */
     if (!newest || !l->mapped || l->resubscribed || transit - l->floor_us >= CLOCK_TOLERANCE_US) {
         late_us = late_by(l, transit);
@@ -473,7 +475,7 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
         l->newest_cycles = robot_cycles;
         l->back_count = 0;
     }
-    if (s->seen == 0) {
+    if (first) {
         s->seen = 1;
     } else if (robot_cycles <= s->robot_cycles) {
         if (WITH_STATISTICS) {
@@ -487,7 +489,7 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
             measure(s, gap, transit);
         }
     }
-    learn_times(l, s, transit, late_us, newest, now_us);
+    learn_times(l, s, transit, late_us, newest, first, now_us);
     s->received++;
     s->robot_cycles = robot_cycles;
     s->received_us = now_us;
@@ -500,9 +502,10 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
 
 void roburoc4_link_round_trip(roburoc4_private_link *l, bool text, uint32_t sent_us,
                               uint32_t now_us) {
-    const uint32_t sample = now_us - sent_us;
+    const uint32_t passed_us = now_us - sent_us;
+    const uint32_t sample = passed_us > 0 ? passed_us : 1; /* 0 is none yet */
     if (l->round_trip_min_us == 0 || sample < l->round_trip_min_us) {
-        l->round_trip_min_us = sample > 0 ? sample : 1;
+        l->round_trip_min_us = sample;
     }
     l->round_trip_us =
         l->round_trip_us == 0 ? sample : l->round_trip_us - l->round_trip_us / 8 + sample / 8;

@@ -28,7 +28,7 @@ enum { ROLLED = 1, INTERRUPTED };
 #define NO_TIMEOUT UINT32_MAX
 
 /* Callers declare moves: their size is part of the ABI. */
-typedef char assert_move_never_grows[sizeof(roburoc4_move) == 488 ? 1 : -1];
+typedef char assert_move_never_grows[sizeof(roburoc4_move) == 504 ? 1 : -1];
 
 enum { AHEAD = 1, ASTERN = 2 };
 
@@ -93,7 +93,8 @@ roburoc4_result roburoc4_move_options_init(roburoc4_move_options *options, size_
 
 static roburoc4_result checked(const roburoc4_move *m) {
     const roburoc4_move_options *o = &m->private_options;
-    const float most[] = {o->linear_m_s, o->angular_rad_s, o->linear_m_s2, o->angular_rad_s2};
+    const float most[] = {o->max_linear_m_s, o->max_angular_rad_s, o->max_linear_m_s2,
+                          o->max_angular_rad_s2};
     bool valid = is_finite(o->clearance_m) && !negative(o->clearance_m);
     for (uint32_t i = 0; i < sizeof most / sizeof *most; i++) {
         valid = valid && is_finite(most[i]) && positive(most[i]);
@@ -109,9 +110,9 @@ static roburoc4_result checked(const roburoc4_move *m) {
     if (beyond(length, FAR_M) || beyond(angle, FAR_M)) {
         return speeds ? ROBUROC4_ERR_UNITS : ROBUROC4_ERR_ARGUMENT;
     }
-    return beyond(speeds ? length : o->linear_m_s, ROBUROC4_MAX_DRIVE_M_S) ||
-                   beyond(speeds ? angle : o->angular_rad_s, ROBUROC4_MAX_DRIVE_RAD_S) ||
-                   (o->turns == 0 && beyond(angle, TWO_TURNS))
+    return beyond(speeds ? length : o->max_linear_m_s, ROBUROC4_MAX_DRIVE_M_S) ||
+                   beyond(speeds ? angle : o->max_angular_rad_s, ROBUROC4_MAX_DRIVE_RAD_S) ||
+                   (o->allow_turns == 0 && beyond(angle, TWO_TURNS))
                ? ROBUROC4_ERR_UNITS
                : ROBUROC4_OK;
 }
@@ -176,7 +177,7 @@ static roburoc4_result begin_to(roburoc4_move *m, uint8_t kind, double x_m, doub
     int64_t goal[3];
     float no_number = 0;
     for (uint32_t i = 0; i < 3; i++) {
-        no_number += finite_f64_bits(bits_from_f64(place[i])) ? 0 : f32_from_bits(0x7FC00000U);
+        no_number += finite_f64_bits(bits_from_f64(place[i])) ? 0 : f32_from_bits(F32_NAN);
         goal[i] = fixed(place[i]);
     }
     const roburoc4_result result = begin(m, kind, no_number, unfixed(goal[2]), options);
@@ -278,7 +279,9 @@ static float astray(const roburoc4_move *m) {
     return m->private_covered[ANGLE] - curvature(m) * m->private_covered[LENGTH];
 }
 
-float roburoc4_move_stretch(const roburoc4_move *m) {
+/** A robot beside its line or arc, or turned from it, comes along so many times as far as it
+ * drives; else 1. */
+static float stretch_of(const roburoc4_move *m) {
     return on_path(m) ? sine_of(astray(m) + PI_F / 2) /
                             (1 - within(curvature(m) * m->private_aside_m, 0.5F))
                       : 1;
@@ -295,10 +298,10 @@ static float set_profile(roburoc4_move *m, const roburoc4_move_view *v) {
     const roburoc4_move_options *o = &m->private_options;
     float *limit = m->private_limit, *slope = m->private_slope;
     float path[BOTH] = {m->private_goal[LENGTH], m->private_goal[ANGLE]};
-    limit[LENGTH] = at_most_own(o->linear_m_s, v->max_linear_m_s);
-    limit[ANGLE] = at_most_own(o->angular_rad_s, v->max_angular_rad_s);
-    slope[LENGTH] = at_most_own(o->linear_m_s2, v->max_linear_m_s2);
-    slope[ANGLE] = at_most_own(o->angular_rad_s2, v->max_angular_rad_s2);
+    limit[LENGTH] = at_most_own(o->max_linear_m_s, v->max_linear_m_s);
+    limit[ANGLE] = at_most_own(o->max_angular_rad_s, v->max_angular_rad_s);
+    slope[LENGTH] = at_most_own(o->max_linear_m_s2, v->max_linear_m_s2);
+    slope[ANGLE] = at_most_own(o->max_angular_rad_s2, v->max_angular_rad_s2);
     if (to_place(m)) {
         path[LENGTH] = look_to(m, &path[ANGLE]);
         const float last = unfixed(m->private_place[2] - m->private_pose[2]) - path[ANGLE];
@@ -349,18 +352,13 @@ static float seconds_in(uint32_t cycles) {
 
 /** Count a distance and an angle; `across_m` is to the left. */
 static void cover(roburoc4_move *m, float distance_m, float across_m, float angle_rad) {
-    const float along_m = distance_m * roburoc4_move_stretch(m);
+    const float along_m = distance_m * stretch_of(m);
     const float half_turned = 0.5F * (angle_rad - curvature(m) * along_m);
     m->private_aside_m += distance_m * sine_of(astray(m) + half_turned) + across_m;
     m->private_covered[LENGTH] += along_m;
     m->private_covered[ANGLE] += angle_rad;
     m->distance_m += distance_m;
     m->angle_rad += angle_rad;
-}
-
-/** As far as such a counter goes. */
-static uint8_t count_on(uint8_t cycles, uint32_t passed) {
-    return passed < (uint32_t)UINT8_MAX - cycles ? (uint8_t)(cycles + passed) : UINT8_MAX;
 }
 
 /** The shortest time between two poses lately, as a program may subscribe less often meanwhile. */
@@ -406,7 +404,8 @@ static bool note_pose(roburoc4_move *m, const roburoc4_move_view *v, roburoc4_mo
     return true;
 }
 
-bool roburoc4_move_rolls(const roburoc4_move *m) {
+/** The last status shows a robot that moves. */
+static bool is_moving(const roburoc4_move *m) {
     return beyond(m->private_speed[LENGTH], rest_speed[LENGTH]) ||
            beyond(m->private_speed[ANGLE], rest_speed[ANGLE]);
 }
@@ -414,9 +413,9 @@ bool roburoc4_move_rolls(const roburoc4_move *m) {
 /** How long the robot has stood; a single speed may be noise. */
 static void note_standing(roburoc4_move *m, uint32_t passed) {
     const uint8_t stood = m->private_stood_cycles;
-    m->private_stood_cycles = !roburoc4_move_rolls(m) ? count_on(stood, passed)
-                              : stood > 2 * passed    ? (uint8_t)(stood - 2 * passed)
-                                                      : 0;
+    m->private_stood_cycles = !is_moving(m)        ? count_on(stood, passed)
+                              : stood > 2 * passed ? (uint8_t)(stood - 2 * passed)
+                                                   : 0;
 }
 
 /** A differential status: add the distance since the last one. */
@@ -426,7 +425,6 @@ static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v, const flo
     const float passed_s = seconds_in(passed);
     float covered[BOTH];
     m->private_quiet_cycles = count_on(m->private_quiet_cycles, passed);
-    m->private_same_cycles = count_on(m->private_same_cycles, passed);
     const bool measured = is_finite(speeds[LENGTH]) && is_finite(speeds[ANGLE]);
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         const float speed = is_finite(speeds[axis]) ? speeds[axis] : 0;
@@ -436,7 +434,7 @@ static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v, const flo
     }
     m->private_unmeasured = !measured;
     note_standing(m, passed);
-    m->private_still = measured && !roburoc4_move_rolls(m) ? count_on(m->private_still, 1) : 0;
+    m->private_still = measured && !is_moving(m) ? count_on(m->private_still, 1) : 0;
     m->private_speed_cycles = v->speed_cycles;
     if (!m->private_posed) {
         cover(m, covered[LENGTH], 0, covered[ANGLE]);
@@ -448,8 +446,8 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
                       uint64_t now_us) {
     const float sent[BOTH] = {v->sent_linear_m_s, v->sent_angular_rad_s};
     const float passed_s = seconds_of(passed_us);
-    const float stretch[BOTH] = {roburoc4_move_stretch(m), 1};
-    roburoc4_move_news news = {v->speed_cycles != m->private_speed_cycles, false, 0};
+    const float stretch[BOTH] = {stretch_of(m), 1};
+    roburoc4_move_news news = {v->speed_cycles != m->private_speed_cycles, false, 0, 1};
     const bool pose =
         m->private_posed && v->pose_cycles != 0 && v->pose_cycles != m->private_pose_cycles;
     for (uint32_t i = 0; i < BOTH; i++) {
@@ -470,6 +468,7 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
         return false;
     }
     const float late_s = seconds_of(now_us - m->private_heard_us);
+    news.stretch = stretch_of(m);
     if (roburoc4_move_axis_learn(m, passed_s, late_s, news) && has_goal(m) && !m->private_rolls) {
         m->private_rolls = INTERRUPTED;
     }
@@ -550,6 +549,14 @@ static bool witnesses_disagree(const roburoc4_move *m, const float *follows) {
     return false;
 }
 
+/** However late a robot follows, reaching its goal takes no commands far beyond it. Where it seems
+ * to, the robot hardly moves, or its odometry counts too little. */
+static bool commands_too_much(const roburoc4_move *m) {
+    const uint32_t axis = roburoc4_move_axis(m);
+    return has_goal(m) && !m->private_rolls &&
+           disagree(axis, m->private_commanded[axis], m->private_goal[axis], 0);
+}
+
 /** So far from its line or arc that it would hardly find back: it does not turn as it drives. */
 static bool strays(const roburoc4_move *m) {
     return !m->private_rolls && on_path(m) &&
@@ -564,7 +571,7 @@ static int32_t outcome_of(roburoc4_result cause) {
         {ROBUROC4_ERR_INHIBITED, ROBUROC4_MOVE_INHIBITED},
         {ROBUROC4_ERR_LAPSED, ROBUROC4_MOVE_LAPSED},
         {ROBUROC4_ERR_DISARMED, ROBUROC4_MOVE_CANCELLED},
-        {ROBUROC4_ERR_STOPPED, ROBUROC4_MOVE_CANCELLED}};
+        {ROBUROC4_ERR_STOP_CALLED, ROBUROC4_MOVE_CANCELLED}};
     for (uint32_t i = 0; i < sizeof outcomes / sizeof *outcomes; i++) {
         if (outcomes[i][0] == cause) {
             return outcomes[i][1];
@@ -598,10 +605,11 @@ static bool stuck(roburoc4_move *m, uint32_t passed_us) {
 static int32_t hindered(roburoc4_move *m, const roburoc4_move_view *v, uint32_t passed_us,
                         uint64_t now_us) {
     const int32_t seen = blocked(m, v);
-    return seen != ROBUROC4_MOVE_RUNNING                  ? seen
-           : has_goal(m) && stuck(m, passed_us)           ? ROBUROC4_MOVE_INHIBITED
-           : strays(m)                                    ? ROBUROC4_MOVE_OFF_COURSE
-           : !witnesses_disagree(m, m->private_lagging)   ? ROBUROC4_MOVE_RUNNING
+    return seen != ROBUROC4_MOVE_RUNNING        ? seen
+           : has_goal(m) && stuck(m, passed_us) ? ROBUROC4_MOVE_INHIBITED
+           : strays(m)                          ? ROBUROC4_MOVE_OFF_COURSE
+           : !witnesses_disagree(m, m->private_lagging) && !commands_too_much(m)
+               ? ROBUROC4_MOVE_RUNNING
            : now_us - m->private_pose_us > SILENCE_US / 3 ? ROBUROC4_MOVE_LOST
            : m->private_stood_cycles > STOOD_CYCLES / 3   ? ROBUROC4_MOVE_INHIBITED
                                                           : ROBUROC4_MOVE_ODOMETRY;
@@ -615,6 +623,7 @@ static int32_t reason_to_end(roburoc4_move *m, const roburoc4_move_view *v, uint
     if (v->overridden && (v->armed || rest)) {
         outcome = ROBUROC4_MOVE_OVERRIDE;
     } else if (v->inhibited && !rest) {
+        m->cause = v->armed ? ROBUROC4_OK : v->disarm_cause;
         outcome = ROBUROC4_MOVE_INHIBITED;
     } else if (!v->armed && !rest) {
         m->cause = v->disarm_cause;
@@ -666,7 +675,7 @@ static float share_for(roburoc4_move *m, float passed_s, uint64_t now_us) {
 }
 
 /** Ramp down a robot that moved when the move began, so that its first leg begins at rest; or whose
- * wheels something stopped or let go, so that what it does then says nothing about it. */
+ * wheels something stopped, so that what it does then says nothing about it. */
 static bool rolls(roburoc4_move *m, uint64_t now_us) {
     if (m->private_rolls == ROLLED && !halted(m)) {
         m->private_begun_us = now_us; /* it may take as long as it takes */
@@ -734,14 +743,18 @@ static float factor(float true_per_pose) {
 /** Plan the move as soon as everything that it needs is known, or after a second end it with what
  * is missing. */
 static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
+    const bool rest = m->private_kind == REST;
     if (!m->private_begun) {
         m->private_begun = 1;
         m->private_begun_us = m->private_step_us = now_us;
         m->private_heard_us = m->private_pose_us = now_us;
         m->private_timeout_ms = NO_TIMEOUT;
         m->private_bumpers = AHEAD | ASTERN;
+        if (!v->armed && !rest) { /* whatever disarmed it, this move did not drive */
+            m->cause = v->disarm_cause;
+            return ROBUROC4_MOVE_CANCELLED;
+        }
     }
-    const bool rest = m->private_kind == REST;
     const int32_t unseen = rest ? ROBUROC4_MOVE_RUNNING : blocked(m, v);
     if (unseen != ROBUROC4_MOVE_RUNNING || v->speed_cycles == 0 ||
         (to_place(m) && v->pose_cycles == 0)) {

@@ -21,13 +21,10 @@
 enum { GAIN, LAG, BEND, DELAY, OFFSET, FITS };
 enum { COMMANDED, COVERED, SIGNALS };
 #define TIMES 3 /* so often they are smoothed */
-/* What the speeds say: how many statuses in a row doubt that the wheels are free, up to JOLTED; or
- * that the last one jumped. */
-enum { STEADY, JOLTED = 4, SLOWER, FASTER };
 
 /* The constants below were found by a search on robots that were drawn at random between the
- * values of bench/family.c; but for `reached` and `slow`, which a move promises, and `jolt`,
- * `stands` and `stood`, which were chosen. Lengths and speeds are in meters; radians are
+ * values of bench/family.c; but for `reached` and `slow`, which a move promises, and `fall` and
+ * `stands`, which were chosen. Lengths and speeds are in meters; radians are
  * `unit` times as many.
  *
  * What robots are like, and standard deviations of that; lag and bend grow together. */
@@ -57,11 +54,9 @@ enum { STEADY, JOLTED = 4, SLOWER, FASTER };
 #define FOLLOWS_S 0.6F
 /* A speed is carried on for no longer, from its status to a pose or to now. */
 #define LATE_MOST_S 0.3F
-/* No command changes a speed so fast: something stopped the wheels, or let them go. What was
- * learned is wrong then, until they roll again. */
-#define JOLT 0.09F
-#define JOLT_SLOPES 2.0F
-#define REFRESH_CYCLES 20.0F
+/* Something stopped the wheels if a speed that nobody braked has fallen by so much, in so many
+ * statuses in a row. What was learned is wrong then, until they roll again. */
+#define FALLEN 4
 #define FALL 0.06F
 #define FALL_SHARE 0.1F
 /* What falls by this share of that has perhaps learned something wrong. */
@@ -91,6 +86,9 @@ enum { STEADY, JOLTED = 4, SLOWER, FASTER };
 /* None rolls farther than this; after a long way, what was learned is not so exact. */
 #define ROLLS_S 2.5F
 #define ROLLS_M 0.05F
+/* What was learned may be wrong on a robot that responds slowly and reports seldom: for as far as
+ * robots roll, the gain counts as at least this. */
+#define ROLLS_GAIN 0.95F
 /* How far it rolls in proportion to its speed, where nothing was learned. */
 #define ROLLS_UNKNOWN_S 1.75F
 
@@ -139,7 +137,6 @@ static void learn_anew(roburoc4_move *m) {
     f->numbers[OFFSET] = covered - commanded;
     f->spread[GAIN][OFFSET] = f->spread[OFFSET][GAIN] = -commanded * f->spread[GAIN][GAIN];
     f->spread[OFFSET][OFFSET] += commanded * commanded * f->spread[GAIN][GAIN];
-    m->private_measured = 0;
 }
 
 void roburoc4_move_axis_again(roburoc4_move *m) {
@@ -153,7 +150,7 @@ void roburoc4_move_axis_again(roburoc4_move *m) {
 }
 
 void roburoc4_move_axis_begin(roburoc4_move *m) {
-    m->private_rested = m->private_jolted = 0;
+    m->private_rested = m->private_fallen = 0;
     m->private_rolled = 0;
     roburoc4_move_axis_again(m);
 }
@@ -222,33 +219,11 @@ static bool falls(roburoc4_move *m, uint32_t axis) {
            (less(2 * stands, m->private_peak) && !beyond(speed, stands));
 }
 
-/** Whether something stopped the wheels, or lets them go. A single status may be noise. */
-static uint8_t jolts(roburoc4_move *m, uint32_t axis) {
-    const float speed = m->private_speed[axis], change = speed - m->private_measured;
-    const float most = JOLT * unit[axis] +
-                       JOLT_SLOPES * 0.01F * lesser((float)m->private_same_cycles, REFRESH_CYCLES) *
-                           m->private_slope[axis];
-    if (!is_zero(change)) {
-        m->private_measured = speed;
-        m->private_same_cycles = 0;
-    }
-    const uint8_t jumps = !beyond(change, most) ? STEADY : negative(change) ? SLOWER : FASTER;
-    const uint8_t before = m->private_jolted;
-    const bool fallen = falls(m, axis);
-    if (before == SLOWER || before == FASTER) { /* unless the next status takes it back */
-        return jumps == STEADY || jumps == before ? JOLTED : STEADY;
-    }
-    return jumps != STEADY    ? (jumps == FASTER && before != STEADY ? STEADY : jumps)
-           : !fallen          ? STEADY
-           : before >= JOLTED ? JOLTED
-                              : (uint8_t)(before + 1);
-}
-
 /** Where it is now: as far as the speeds say since the last pose whose age is known. */
 static float covers(roburoc4_move *m, float late_s, roburoc4_move_news news) {
     const uint32_t axis = roburoc4_move_axis(m);
     roburoc4_private_fit *f = &m->private_fit;
-    const float speed = m->private_speed[axis] * roburoc4_move_stretch(m);
+    const float speed = m->private_speed[axis] * news.stretch;
     if (news.prompt) {
         f->shift = m->private_covered[axis] - m->private_by_speeds[axis] -
                    within(news.ahead_s, LATE_MOST_S) * speed;
@@ -263,7 +238,7 @@ bool roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, float late_s,
     m->private_patience_s -= passed_s;
     const float signals[SIGNALS] = {m->private_commanded[axis], covers(m, late_s, news)};
     if (news.speeds) {
-        m->private_jolted = jolts(m, axis);
+        m->private_fallen = falls(m, axis) ? count_on(m->private_fallen, 1) : 0;
     }
     const float share = passed_s / (passed_s + FILTER_S);
     for (uint32_t i = 0; i < SIGNALS; i++) {
@@ -275,7 +250,7 @@ bool roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, float late_s,
     if (news.speeds || news.prompt) {
         fit(m, passed_s);
     }
-    return news.speeds && m->private_jolted == JOLTED;
+    return news.speeds && m->private_fallen >= FALLEN;
 }
 
 /** Where it will be at rest, if nothing more is commanded. */
@@ -296,7 +271,10 @@ float roburoc4_move_axis_rolls(const roburoc4_move *m) {
     const float commanded = m->private_commanded[LENGTH];
     const float speed = magnitude(m->private_speed[LENGTH]);
     const float most = ROLLS_S * (speed + magnitude(m->linear_m_s));
-    const float known = magnitude(m->private_fit.gain * commanded - m->private_by_speeds[LENGTH]) +
+    const float gain = m->private_fit.gain;
+    const float unsure =
+        less(gain, ROLLS_GAIN) ? (ROLLS_GAIN - gain) * lesser(magnitude(commanded), most) : 0;
+    const float known = magnitude(gain * commanded - m->private_by_speeds[LENGTH]) + unsure +
                         2 * doubt(m, commanded);
     return lesser(m->private_rolls ? ROLLS_UNKNOWN_S * speed : known, most + ROLLS_M);
 }

@@ -105,10 +105,14 @@ static void view_client(roburoc4_move_view *v, const roburoc4_client *client,
 /** Whether a speed was asked for that the client would lower; the defaults are lowered. */
 static bool too_fast(roburoc4_move *m, const roburoc4_client *client) {
     const roburoc4_config *config = &client->private_config;
-    const float ceilings[BOTH] = {config->max_linear_m_s, config->max_angular_rad_s};
-    const float defaults[BOTH] = {roburoc4_move_defaults.linear_m_s,
-                                  roburoc4_move_defaults.angular_rad_s};
-    float *asked[BOTH] = {&m->private_options.linear_m_s, &m->private_options.angular_rad_s};
+    const float most[BOTH] = {config->max_linear_m_s, config->max_angular_rad_s};
+    /* They bound the speeds before and after these are scaled. */
+    const float ceilings[BOTH] = {lesser(most[0], most[0] / config->scale_linear),
+                                  lesser(most[1], most[1] / config->scale_angular)};
+    const float defaults[BOTH] = {roburoc4_move_defaults.max_linear_m_s,
+                                  roburoc4_move_defaults.max_angular_rad_s};
+    float *asked[BOTH] = {&m->private_options.max_linear_m_s,
+                          &m->private_options.max_angular_rad_s};
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         if (beyond(m->private_kind == FOR ? m->private_goal[axis] : *asked[axis], ceilings[axis]) &&
             (m->private_kind == FOR || !is_zero(*asked[axis] - defaults[axis]))) {
@@ -140,6 +144,20 @@ static bool ended_elsewhere(roburoc4_move *m, const roburoc4_client *client,
            (stopped || !facts->driving);
 }
 
+/** Whether a stop sequence is due: at the end; and for a robot that is brought to rest, until one
+ * is confirmed, and again where another commander drives it. A client that disarmed itself has
+ * begun its stop sequence, and one that never drove commands nothing. */
+static bool stops(const roburoc4_move *m, const roburoc4_client *client,
+                  const roburoc4_facts *facts) {
+    const roburoc4_differential_status *s = &client->private_values.differential;
+    if (m->outcome != ROBUROC4_MOVE_RUNNING) {
+        return facts->armed;
+    }
+    return m->private_kind == REST && !facts->stopping &&
+           (m->private_first_us == 0 || facts->stop_outcome == ROBUROC4_STOP_TIMED_OUT ||
+            !nearly_zero(s->target_linear_m_s) || !nearly_zero(s->target_angular_rad_s));
+}
+
 int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_t now_us) {
     roburoc4_move_view view;
     roburoc4_facts facts;
@@ -169,13 +187,7 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
         view_client(&view, client, &facts);
         (void)roburoc4_move_advance(move, &view, now_us);
     }
-    /* A robot that is brought to rest may have been driven by another commander since. A client
-     * that disarmed itself has begun its stop sequence, and one that never drove commands nothing.
-     */
-    const bool ended = move->outcome != ROBUROC4_MOVE_RUNNING;
-    const bool stops = move->private_kind == REST && !facts.stopping &&
-                       (move->private_first_us == 0 || unconfirmed || roburoc4_move_rolls(move));
-    if (!lapsed && (ended ? facts.armed : stops)) {
+    if (!lapsed && stops(move, client, &facts)) {
         move->private_first_us = now_us;
         (void)roburoc4_client_pause(client, now_us);
     }
@@ -199,15 +211,15 @@ const char *roburoc4_move_outcome_text(int32_t outcome) {
         "somebody holds [A] on the game pad: wait until it is released, then begin again",
         "a bumper is pressed: check what it touches, then back away",
         "a telemeter sees something too near: clear the way, or give a smaller clearance",
-        "the robot does not move: check emergency stops, brakes selector and motor power",
-        "statuses or commands do not arrive: check the link and the subscriptions",
+        "the robot does not follow: check emergency stops, brakes, green button and other programs",
+        "statuses or commands do not arrive: check the link and the subscriptions, then arm again",
         "another client commands the robot: end that one first",
         "timed out: check what blocks the robot, or allow more time",
-        "cancelled, or the client is not armed",
+        "cancelled, or not armed: call arm(), then begin again",
         "the program did not step the move in time: find what blocked it, then begin again",
         "commands, speeds and pose disagree: check the odometry and what blocks or slips",
         "the robot was relocalized, or its pose jumped: begin again from its new pose",
-        "at rest beside its goal: go on from here, slower",
+        "off its path, or not at its goal: go on from here, slower",
         "a speed beyond the ceilings: ask for less, or raise max_linear_m_s or max_angular_rad_s",
         "the front bumper is not known: set front_bumper_index, or give a clearance of 0",
         "the rear bumper is not known: set rear_bumper_index, or give a clearance of 0",

@@ -56,6 +56,11 @@ static inline float nearer(float a, float b) {
     return is_finite(b) ? lesser(a, b) : 0;
 }
 
+/** As far as such a counter goes. */
+static inline uint8_t count_on(uint8_t cycles, uint32_t passed) {
+    return passed < (uint32_t)UINT8_MAX - cycles ? (uint8_t)(cycles + passed) : UINT8_MAX;
+}
+
 /** It has a way to go, or a place; the others have a time, or come to rest. */
 static inline bool has_goal(const roburoc4_move *m) {
     return m->private_kind < FOR;
@@ -76,11 +81,6 @@ int32_t roburoc4_move_advance(roburoc4_move *m, const roburoc4_move_view *v, uin
 int32_t roburoc4_move_end(roburoc4_move *m, int32_t outcome);
 /** What it proposed was not sent: begin from standing speeds again. */
 void roburoc4_move_hold(roburoc4_move *m);
-/** A robot beside its line or arc, or turned from it, comes along so many times as far as it
- * drives; else 1. */
-float roburoc4_move_stretch(const roburoc4_move *m);
-/** The last status shows a robot that moves. */
-bool roburoc4_move_rolls(const roburoc4_move *m);
 
 /* One leg of a move is about one axis; move_axis.c knows how far it was commanded, and learns how
  * far the robot will have come when it is at rest. */
@@ -99,10 +99,10 @@ typedef struct roburoc4_move_news {
     bool prompt; /* another pose than before (some robots compute it seldom, and repeat it), and no
                     status was lost before it, so it is no older than it looks */
     float ahead_s; /* by so much it is newer than the speeds */
+    float stretch; /* the robot comes along so many times as far as it drives */
 } roburoc4_move_news;
 
-/** Time passed, and the last speeds came so long ago. True if something stopped the wheels, or let
- * them go. */
+/** Time passed, and the last speeds came so long ago. True if something stopped the wheels. */
 bool roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, float late_s,
                               roburoc4_move_news news);
 /** The speed towards the end of the leg. */

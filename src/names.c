@@ -41,21 +41,21 @@ static const char motion[] =
     "not connected: check power, cable and address, or wait\0"
     "no usable differential service: set differential_id if you know it\0"
     "the robot's speed limits are not usable: check its properties\0"
-    "no recent differential status: check the link and the status period\0"
-    "no recent IO card status: check the link and the status period\0"
+    "no recent differential status: check the link and the status period, then arm again\0"
+    "no recent IO card status: check the link and the status period, then arm again\0"
     "game pad input unknown: wait a minute for its text, else set override_index or "
     "allow_unknown_override\0"
     "game pad override: release [A] on the game pad\0"
     "the robot is moving, or has a target: wait until it is at rest, or stop it\0"
     "another client commands the robot: end the other program\0"
-    "the robot fell silent: check cable and power\0"
+    "the robot fell silent: check cable and power, then arm again\0"
     "the robot restarted: check it, then arm again\0"
     "the clock went back: find out what sets this machine's clock\0"
     "the robot does not follow its commands: check emergency stops, brakes selector and "
     "bumpers\0"
     "stopped by stop(): call arm() to drive again\0"
     "the program did not renew its drive command in time: call arm() to drive again\0"
-    "commands reach the robot late or not at all: check the link\0"
+    "commands reach the robot late or not at all: check the link, then arm again\0"
     "these look like mm/s or degrees: give at most 5 m/s and 10 rad/s, and angles in radians\0"
     "no subscription to statuses that driving needs: the robot refused it (its list may be "
     "full: "
@@ -64,7 +64,8 @@ static const char motion[] =
 static const char adapter[] =
     "the operating system refused\0"
     "host name has no address: check the spelling, or give the address in numbers\0"
-    "already closed, or made before a fork: connect again";
+    "already closed, or made before a fork: connect again\0"
+    "another thread drives a move with this pump: wait for its end, or stop it";
 
 const char *roburoc4_result_text(roburoc4_result result) {
     const char *text = NULL;
@@ -77,7 +78,7 @@ const char *roburoc4_result_text(roburoc4_result result) {
     } else if (code < 40) {
         text = nth(motion, 19, code - 20);
     } else {
-        text = nth(adapter, 3, code - 40);
+        text = nth(adapter, 4, code - 40);
     }
     return text != NULL ? text : "unknown error";
 }
@@ -115,7 +116,7 @@ static const char events[] =
     "the robot confirmed the stop\0"
     "game pad [A] was pressed or released\0"
     "another client started or stopped commanding the robot\0"
-    "the robot does not move although it should, or moves again\0"
+    "the robot does not follow its commands, or does again\0"
     "the battery fell below the robot's minimum\0"
     "the battery is critical\0"
     "the robot accepted the new pose\0"
@@ -144,12 +145,12 @@ const char *roburoc4_name(uint32_t what, uint32_t number) {
     case ROBUROC4_NAME_EVENT_BEGAN:
         return nth("[A] is held on the game pad: the pad drives the robot\0"
                    "another client commands the robot\0"
-                   "motion inhibited: the robot does not move although it should",
+                   "motion inhibited: the robot does not follow its commands",
                    3, bit_index(number) - FIRST_CHANGE);
     case ROBUROC4_NAME_EVENT_ENDED:
         return nth("[A] on the game pad was released\0"
                    "no other client commands the robot any more\0"
-                   "the robot moves again, or no speed is commanded",
+                   "the robot follows its commands again, or none is given",
                    3, bit_index(number) - FIRST_CHANGE);
     default:
         return NULL;
@@ -189,7 +190,7 @@ static roburoc4_result channel_count(const roburoc4_client *client, uint32_t io_
         return ROBUROC4_ERR_ARGUMENT;
     }
     if ((client->private_discovery.known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
-        return ROBUROC4_ERR_UNKNOWN;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     return client->private_values.io_counts[io_type];
 }

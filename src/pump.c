@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * pump.c - a pump: its lock, its lifecycle and its thread, the loop that waits for the robot or the
- * client's deadline without the lock, and receives and sends with it; and what exit() does to it.
+ * pump.c - a pump: its lifecycle and its thread, the loop that waits for the robot or the client's
+ * deadline without the lock, and receives and sends with it; and what exit() does to it.
  */
 #include "pump_internal.h"
 #include "record_internal.h"
@@ -18,33 +18,6 @@
 #define MOVE_STEP_US 20000u
 /* How often to check whether a thread has ended when its lock must not be taken. */
 #define EXIT_PACE_US 2000u
-
-/* ------------------------------------------------------------------------------------ lock --- */
-
-int roburoc4_pump_enter(roburoc4_pump *pump) {
-    if (pump->process != roburoc4_process_id()) {
-        return 0;
-    }
-    roburoc4_lock_take(&pump->lock);
-    return 1;
-}
-
-void roburoc4_pump_leave(roburoc4_pump *pump) {
-    roburoc4_lock_give(&pump->lock);
-}
-
-void roburoc4_pump_wait(roburoc4_pump *pump, uint64_t until_us) {
-    uint64_t now_us = roburoc4_udp_now_us();
-    if (until_us <= now_us) {
-        return;
-    }
-    pump->waiters++;
-    roburoc4_signal_wait(&pump->changed, &pump->lock, until_us - now_us);
-    pump->waiters--;
-    if (pump->phase == ROBUROC4_PUMP_JOINED && pump->waiters == 0) {
-        roburoc4_signal_wake_all(&pump->changed); /* destroy() waits for this */
-    }
-}
 
 /* ---------------------------------------------------------------------------------- thread --- */
 
@@ -69,22 +42,8 @@ static void heed_requests(roburoc4_pump *pump) {
     }
 }
 
-/* Reads datagrams one by one, as each may be a sample. What is due is sent first. */
-static roburoc4_result receive(roburoc4_pump *pump) {
-    int taken;
-    for (taken = 0; taken < ROBUROC4_UDP_BURST; taken++) {
-        const uint8_t *datagram;
-        size_t size;
-        roburoc4_result got = roburoc4_udp_receive_one(&pump->udp, &pump->client, &datagram, &size);
-        if (got <= ROBUROC4_UDP_NOTHING) {
-            return got;
-        }
-        roburoc4_pump_collect(pump, datagram, size);
-        if (roburoc4_client_next_deadline(&pump->client) <= roburoc4_udp_now_us()) {
-            break;
-        }
-    }
-    return ROBUROC4_OK;
+static void seen(void *pump, const uint8_t *datagram, size_t size) {
+    roburoc4_pump_collect(pump, datagram, size);
 }
 
 /* Carries out requests, receives, sends what the client has to send, stores its events, and
@@ -95,7 +54,7 @@ static roburoc4_result serve(roburoc4_pump *pump) {
     if (!pump->threadless) { /* a pump without a thread gets its time from the caller */
         heed_requests(pump);
         /* A robot whose datagrams wait is not silent: the thread may not have run. */
-        received = receive(pump);
+        received = roburoc4_udp_receive(&pump->udp, &pump->client, seen, pump);
     }
     (void)roburoc4_udp_transmit_all(&pump->udp, &pump->client);
     roburoc4_pump_collect(pump, NULL, 0);
@@ -191,7 +150,7 @@ static roburoc4_result try_to_arm(roburoc4_pump *pump, uint32_t stops) {
         return ROBUROC4_ERR_CLOSED;
     }
     if (pump->stops != stops) {
-        return ROBUROC4_ERR_STOPPED;
+        return ROBUROC4_ERR_STOP_CALLED;
     }
     result = roburoc4_client_arm(&pump->client, roburoc4_udp_now_us());
     flush(pump);
@@ -233,10 +192,16 @@ int32_t roburoc4_pump_move(roburoc4_pump *pump, roburoc4_move *move) {
     if (pump->threadless || !roburoc4_pump_enter(pump)) {
         return result;
     }
+    if (pump->phase == ROBUROC4_PUMP_RUNNING && pump->moving) {
+        roburoc4_pump_leave(pump);
+        return ROBUROC4_ERR_BUSY;
+    }
+    pump->moving = 1;
     while (pump->phase == ROBUROC4_PUMP_RUNNING &&
            (result = step(pump, move)) == ROBUROC4_MOVE_RUNNING) {
         roburoc4_pump_wait(pump, roburoc4_udp_now_us() + MOVE_STEP_US);
     }
+    pump->moving = 0;
     roburoc4_pump_leave(pump);
     return result == ROBUROC4_MOVE_RUNNING ? ROBUROC4_ERR_CLOSED : result;
 }

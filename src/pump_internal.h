@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * pump_internal.h - the pump's memory, and what pump.c (lock, lifecycle, thread) and pump_store.c
- * (samples, events, descriptions) offer each other. Not public.
+ * pump_internal.h - the pump's memory, and what pump_store.c (lock, samples, events, descriptions)
+ * offers pump.c (lifecycle, thread). Not public.
  */
 #ifndef ROBUROC4_PUMP_INTERNAL_H
 #define ROBUROC4_PUMP_INTERNAL_H
@@ -39,6 +39,7 @@ struct roburoc4_pump {
     int threadless;           /* without socket and thread */
     uint32_t stop_sequence_us;
     uint32_t stops; /* stop requests that were carried out */
+    int moving;     /* in roburoc4_pump_move() */
 
     roburoc4_atomic stop_requested, close_requested; /* set without the lock, read by flush() */
     roburoc4_pump *next;                             /* in the list of pumps that exit() closes */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * pump_store.c - what a pump keeps for its readers: the ring of samples, the turn in which each
+ * pump_store.c - what a pump's threads share: its lock, the ring of samples, the turn in which each
  * event last occurred, and the robot's texts; and how readers wait for them.
  */
 #include "pump_internal.h"
@@ -12,6 +12,33 @@
 
 /* A status that is older than this when it is received is from before a restart. */
 #define LATEST_US 10000000u
+
+/* ------------------------------------------------------------------------------------ lock --- */
+
+int roburoc4_pump_enter(roburoc4_pump *pump) {
+    if (pump->process != roburoc4_process_id()) {
+        return 0;
+    }
+    roburoc4_lock_take(&pump->lock);
+    return 1;
+}
+
+void roburoc4_pump_leave(roburoc4_pump *pump) {
+    roburoc4_lock_give(&pump->lock);
+}
+
+void roburoc4_pump_wait(roburoc4_pump *pump, uint64_t until_us) {
+    uint64_t now_us = roburoc4_udp_now_us();
+    if (until_us <= now_us) {
+        return;
+    }
+    pump->waiters++;
+    roburoc4_signal_wait(&pump->changed, &pump->lock, until_us - now_us);
+    pump->waiters--;
+    if (pump->phase == ROBUROC4_PUMP_JOINED && pump->waiters == 0) {
+        roburoc4_signal_wake_all(&pump->changed); /* destroy() waits for this */
+    }
+}
 
 /* ------------------------------------------------------------------------------- the writer --- */
 
@@ -255,7 +282,7 @@ roburoc4_result roburoc4_pump_description(roburoc4_pump *pump, int32_t io_type, 
     }
     text = find_text(pump, io_type, index);
     if (text != NULL && !text->known) {
-        result = ROBUROC4_ERR_UNKNOWN;
+        result = ROBUROC4_ERR_NOT_KNOWN;
     } else if (text != NULL && text->length >= capacity) {
         result = ROBUROC4_ERR_BUFFER;
     } else if (text != NULL) {

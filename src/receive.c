@@ -62,9 +62,12 @@ static roburoc4_result take_telemeters(client *c, const uint8_t *data, size_t si
     const uint8_t stored = (uint8_t)at_most(list.count, ROBUROC4_MAX_TELEMETERS);
     exceed(c, list.count > stored && v->telemeter_count != stored); /* once, not at each probe */
     store(c, &v->telemeter_count, &stored, 1);
+    const bool none_came =
+        c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_TELEMETER)].received == 0;
+    v->distance_count = none_came ? stored : v->distance_count;
     for (uint32_t i = 0; i < stored; i++) {
         roburoc4_telemeter_at(&list, i, &telemeter);
-        if (c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_TELEMETER)].received == 0) {
+        if (none_came) {
             v->distances[i] = telemeter.distance_m; /* better than no distance */
         }
         /* the current distance is not a property */
@@ -201,7 +204,7 @@ static roburoc4_result decode_status(const client *c, uint32_t service, const ui
     case ROBUROC4_SERVICE_DIFFERENTIAL:
         return roburoc4_decode_differential_status(data, size, &out->differential);
     default:
-        return ROBUROC4_ERR_UNSUBSCRIBED;
+        return ROBUROC4_ERR_UNEXPECTED_STATUS;
     }
 }
 
@@ -561,8 +564,8 @@ static void count_drop(client *c, roburoc4_result why) {
     case ROBUROC4_ERR_UNMATCHED:
         count_up(c, ROBUROC4_COUNT_UNMATCHED);
         break;
-    case ROBUROC4_ERR_UNSUBSCRIBED:
-        count_up(c, ROBUROC4_COUNT_UNSUBSCRIBED);
+    case ROBUROC4_ERR_UNEXPECTED_STATUS:
+        count_up(c, ROBUROC4_COUNT_UNEXPECTED_STATUS);
         break;
     case ROBUROC4_ERR_OLD:
         count_up(c, ROBUROC4_COUNT_OLD);
@@ -603,7 +606,7 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
         result = receive_answer(c, datagram, size);
     }
     if (result < 0) {
-        if (result == ROBUROC4_ERR_UNSUBSCRIBED) {
+        if (result == ROBUROC4_ERR_UNEXPECTED_STATUS) {
             overhear(c, datagram);
         }
         count_drop(c, result);

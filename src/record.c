@@ -415,9 +415,10 @@ static void end_file(roburoc4_recorder *r) {
     const size_t size = encode_statistics(
         statistics, r->begun_calendar_us, roburoc4_os_calendar_us(),
         r->filed.recorded - r->earlier.recorded, r->filed.dropped - r->earlier.dropped);
-    size_t done = 0;
-    if (!r->gave_up && !write_now(r, statistics, size, &done)) {
-        r->gave_up = 1;
+    size_t done;
+    if (!r->gave_up) {
+        write_until_done(r, statistics, size, &done);
+        r->gave_up = done < size;
     }
     if (r->gave_up && r->kind != ROBUROC4_OS_STREAM) {
         roburoc4_os_file_truncate(r->file, r->file_bytes);

@@ -176,7 +176,8 @@ static uint8_t next_id(requests *r, const slot *s) {
         s->ask.action == ROBUROC4_ACTION_GET && s->ask.kind == ROBUROC4_SERVICE_DIRECTORY;
     const bool connecting = directory && s->ask.max_tries == REQUEST_FOREVER;
     const bool doubting = directory && s->tries == 0;
-    if ((in_fixed_id_mode(r) && !doubting) || (connecting && manual_id_is_next(s->tries))) {
+    const bool manual_id = WITH_FIXED_ID && connecting && manual_id_is_next(s->tries);
+    if ((in_fixed_id_mode(r) && !doubting) || manual_id) {
         return ROBUROC4_HEADER_MANUAL;
     }
     return s->tries > 0 && s->id != ROBUROC4_HEADER_MANUAL ? s->id : unused_id(r);

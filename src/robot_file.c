@@ -143,7 +143,7 @@ static void keep_value(roburoc4_robot_file *file, uint32_t index, float value) {
 static uint32_t find(const char *name, size_t length) {
     uint32_t index = 0;
     while (index < ROWS &&
-           (strlen(rows[index].name) != length || memcmp(rows[index].name, name, length) != 0)) {
+           (strlen(rows[index].name) != length || strncmp(rows[index].name, name, length) != 0)) {
         index++;
     }
     return index;
@@ -160,7 +160,7 @@ roburoc4_result roburoc4_robot_file_get(const roburoc4_robot_file *file, const c
         return ROBUROC4_ERR_INDEX;
     }
     if (!is_known(file, index)) {
-        return ROBUROC4_ERR_STATE;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     *out = file->private_values[index];
     return ROBUROC4_OK;
@@ -233,7 +233,8 @@ static bool read_number(span text, float *out) {
             fraction = true;
             continue;
         }
-        if (c < '0' || c > '9' || ++digits > MAX_DIGITS) {
+        digits++;
+        if (c < '0' || c > '9' || digits > MAX_DIGITS) {
             return false;
         }
         whole = whole * 10 + (uint32_t)(c - '0');
@@ -353,12 +354,13 @@ static void put_number(output *out, float value) {
     const float size = magnitude(value);
     uint32_t whole = (uint32_t)size;
     uint32_t fraction = (uint32_t)((size - (float)whole) * (float)DECIMALS_FACTOR + 0.5F);
-    char digits[1 + DECIMALS] = ".";
+    char digits[1 + DECIMALS];
     size_t length = 0;
     if (fraction >= DECIMALS_FACTOR) {
         whole++;
         fraction = 0;
     }
+    digits[0] = '.';
     for (size_t at = DECIMALS; at > 0; at--) {
         digits[at] = (char)('0' + fraction % 10);
         length = length == 0 && fraction % 10 != 0 ? at + 1 : length;

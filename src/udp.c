@@ -264,81 +264,57 @@ static void record(const roburoc4_udp *udp, int inbound, const uint8_t *datagram
     }
 }
 
-/* Receives a datagram if there is one. Faults and oversized datagrams are counted and skipped, up
- * to a limit. */
+/* Takes a datagram if there is one. Faults and oversized datagrams are counted and skipped, up to a
+ * limit. Before the socket is connected, datagrams from anyone would be received. */
 static int take_datagram(roburoc4_udp *udp, size_t *size) {
     int skipped;
-    for (skipped = 0; skipped < ROBUROC4_UDP_BURST; skipped++) {
+    for (skipped = 0; udp->private_connected && skipped < ROBUROC4_UDP_BURST; skipped++) {
         roburoc4_os_outcome outcome;
         int got = roburoc4_os_receive(udp->private_socket, udp->private_datagram,
                                       sizeof udp->private_datagram, size, &outcome);
-        if (got == ROBUROC4_OS_FAULT) {
-            note_fault(udp, outcome);
-        } else if (got == ROBUROC4_OS_OVERSIZED) {
+        if (got == ROBUROC4_OS_DATAGRAM) {
+            tally(udp, ROBUROC4_UDP_COUNT_RECEIVED);
+            udp->fault = ROBUROC4_FAULT_NONE;
+            udp->system_error = 0;
+            record(udp, 1, udp->private_datagram, *size);
+            return got;
+        }
+        if (got == ROBUROC4_OS_EMPTY) {
+            return got;
+        }
+        if (got == ROBUROC4_OS_OVERSIZED) {
             tally(udp, ROBUROC4_UDP_COUNT_OVERSIZED);
         } else {
-            if (got == ROBUROC4_OS_BROKEN) {
-                note_fault(udp, outcome);
-            }
+            note_fault(udp, outcome);
+        }
+        if (got == ROBUROC4_OS_BROKEN) {
             return got;
         }
     }
     return ROBUROC4_OS_EMPTY;
 }
 
-/* As roburoc4_udp_receive_one(); *now_us is set if a datagram was received. */
-static roburoc4_result give_one(roburoc4_udp *udp, roburoc4_client *client, size_t *size,
-                                uint64_t *now_us) {
-    int got = ROBUROC4_OS_EMPTY;
-    if (udp->private_connected) { /* before that, datagrams from anyone would be received */
-        got = take_datagram(udp, size);
-    }
-    if (got != ROBUROC4_OS_DATAGRAM) {
-        *size = 0;
-        return got == ROBUROC4_OS_BROKEN ? ROBUROC4_ERR_SYSTEM : ROBUROC4_UDP_NOTHING;
-    }
-    tally(udp, ROBUROC4_UDP_COUNT_RECEIVED);
-    udp->fault = ROBUROC4_FAULT_NONE;
-    udp->system_error = 0;
-    record(udp, 1, udp->private_datagram, *size);
-    *now_us = roburoc4_udp_now_us();
-    return roburoc4_client_receive(client, udp->private_datagram, *size, *now_us) < 0
-               ? ROBUROC4_UDP_DROPPED
-               : ROBUROC4_UDP_USED;
-}
-
-roburoc4_result roburoc4_udp_receive_one(roburoc4_udp *udp, roburoc4_client *client,
-                                         const uint8_t **datagram, size_t *size) {
-    roburoc4_result result;
-    size_t received = 0;
-    uint64_t now_us;
+roburoc4_result roburoc4_udp_receive(roburoc4_udp *udp, roburoc4_client *client,
+                                     roburoc4_udp_seen seen, void *context) {
+    roburoc4_result used = 0;
+    int taken;
     if (!is_open(udp)) {
         return ROBUROC4_ERR_CLOSED;
     }
-    result = give_one(udp, client, &received, &now_us);
-    if (datagram != NULL) {
-        *datagram = udp->private_datagram;
-    }
-    if (size != NULL) {
-        *size = received;
-    }
-    return result;
-}
-
-/* How many datagrams the client used, of those that were there. */
-static roburoc4_result receive_all(roburoc4_udp *udp, roburoc4_client *client) {
-    roburoc4_result used = 0;
-    int taken;
     for (taken = 0; taken < ROBUROC4_UDP_BURST; taken++) {
+        const uint8_t *datagram = udp->private_datagram;
         size_t size = 0;
-        uint64_t now_us = 0;
-        roburoc4_result got = give_one(udp, client, &size, &now_us);
-        if (got < 0) {
-            return got;
+        uint64_t now_us;
+        int got = take_datagram(udp, &size);
+        if (got != ROBUROC4_OS_DATAGRAM) {
+            return got == ROBUROC4_OS_BROKEN ? ROBUROC4_ERR_SYSTEM : used;
         }
-        used += got == ROBUROC4_UDP_USED;
-        /* the clock was read a microsecond ago */
-        if (got == ROBUROC4_UDP_NOTHING || roburoc4_client_next_deadline(client) <= now_us) {
+        now_us = roburoc4_udp_now_us();
+        used += roburoc4_client_receive(client, datagram, size, now_us) >= 0;
+        if (seen != NULL) {
+            seen(context, datagram, size);
+        }
+        if (roburoc4_client_next_deadline(client) <= now_us) {
             break;
         }
     }
@@ -403,7 +379,7 @@ roburoc4_result roburoc4_udp_wait(roburoc4_udp *udp, roburoc4_client *client, ui
                                   wait_us < timeout_us ? wait_us : timeout_us);
     }
     if (result >= 0) {
-        result = receive_all(udp, client);
+        result = roburoc4_udp_receive(udp, client, NULL, NULL);
     }
     if (result >= 0) {
         (void)roburoc4_udp_transmit_all(udp, client);

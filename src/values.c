@@ -31,7 +31,7 @@ roburoc4_result roburoc4_client_service_id(const client *c, uint32_t service) {
     }
     if (service >= ROBUROC4_SERVICE_COUNT ||
         (c->private_discovery.listed & service_bit(service)) == 0) {
-        return ROBUROC4_ERR_UNKNOWN;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     return id_of(c, service);
 }
@@ -40,7 +40,7 @@ roburoc4_result roburoc4_client_iocard_properties(const client *c,
                                                   roburoc4_iocard_properties *out) {
     const int32_t *counts = c->private_values.io_counts;
     if (!knows(c, ROBUROC4_SERVICE_IOCARD)) {
-        return ROBUROC4_ERR_UNKNOWN;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     out->analog_inputs = counts[ROBUROC4_IO_ANALOG_INPUT];
     out->analog_outputs = counts[ROBUROC4_IO_ANALOG_OUTPUT];
@@ -54,7 +54,7 @@ roburoc4_result roburoc4_client_iocard_properties(const client *c,
 roburoc4_result roburoc4_client_battery_properties(const client *c,
                                                    roburoc4_battery_properties *out) {
     if (!knows(c, ROBUROC4_SERVICE_BATTERY)) {
-        return ROBUROC4_ERR_UNKNOWN;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     *out = c->private_values.battery_properties;
     return ROBUROC4_OK;
@@ -63,7 +63,7 @@ roburoc4_result roburoc4_client_battery_properties(const client *c,
 roburoc4_result roburoc4_client_localization_properties(const client *c,
                                                         roburoc4_localization_properties *out) {
     if (!knows(c, ROBUROC4_SERVICE_LOCALIZATION)) {
-        return ROBUROC4_ERR_UNKNOWN;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     *out = c->private_values.localization_properties;
     return ROBUROC4_OK;
@@ -72,7 +72,7 @@ roburoc4_result roburoc4_client_localization_properties(const client *c,
 roburoc4_result roburoc4_client_differential_properties(const client *c,
                                                         roburoc4_differential_properties *out) {
     if (!knows(c, ROBUROC4_SERVICE_DIFFERENTIAL)) {
-        return ROBUROC4_ERR_UNKNOWN;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     *out = c->private_values.limits;
     return ROBUROC4_OK;
@@ -84,7 +84,8 @@ roburoc4_result roburoc4_client_telemeter(const client *c, uint32_t index,
         return ROBUROC4_ERR_INDEX;
     }
     memcpy(out, c->private_values.telemeters[index], sizeof c->private_values.telemeters[index]);
-    out->distance_m = c->private_values.distances[index];
+    out->distance_m = index < c->private_values.distance_count ? c->private_values.distances[index]
+                                                               : f32_from_bits(F32_NAN);
     return ROBUROC4_OK;
 }
 
@@ -100,7 +101,7 @@ roburoc4_result roburoc4_client_description(const client *c, const uint8_t *data
     roburoc4_text text;
     const uint32_t kind = c->private_discovery.described_kind;
     if (kind == 0 || roburoc4_decode_text(datagram, size, &text) < 0) {
-        return ROBUROC4_ERR_UNKNOWN;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     out->text = text.text;
     out->length = text.length;
@@ -125,7 +126,7 @@ static const roburoc4_private_service *latest(const client *c, uint32_t service,
 roburoc4_result roburoc4_client_battery(const client *c, roburoc4_battery_status *out,
                                         uint64_t *host_us) {
     if (latest(c, ROBUROC4_SERVICE_BATTERY, host_us) == NULL) {
-        return ROBUROC4_ERR_UNKNOWN;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     *out = c->private_values.battery;
     return ROBUROC4_OK;
@@ -134,7 +135,7 @@ roburoc4_result roburoc4_client_battery(const client *c, roburoc4_battery_status
 roburoc4_result roburoc4_client_localization(const client *c, roburoc4_localization_status *out,
                                              uint64_t *host_us) {
     if (latest(c, ROBUROC4_SERVICE_LOCALIZATION, host_us) == NULL) {
-        return ROBUROC4_ERR_UNKNOWN;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     *out = c->private_values.localization;
     return ROBUROC4_OK;
@@ -143,7 +144,7 @@ roburoc4_result roburoc4_client_localization(const client *c, roburoc4_localizat
 roburoc4_result roburoc4_client_differential(const client *c, roburoc4_differential_status *out,
                                              uint64_t *host_us) {
     if (latest(c, ROBUROC4_SERVICE_DIFFERENTIAL, host_us) == NULL) {
-        return ROBUROC4_ERR_UNKNOWN;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     *out = c->private_values.differential;
     return ROBUROC4_OK;
@@ -153,7 +154,7 @@ roburoc4_result roburoc4_client_inputs(const client *c, roburoc4_inputs *out, ui
     const int32_t *counts = c->private_values.io_counts;
     const roburoc4_private_service *s = latest(c, ROBUROC4_SERVICE_IOCARD, host_us);
     if (s == NULL) {
-        return ROBUROC4_ERR_UNKNOWN;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     out->robot_cycles = s->robot_cycles;
     out->digital = c->private_values.digital;
@@ -169,7 +170,7 @@ roburoc4_result roburoc4_client_distances(const client *c, roburoc4_distances *o
                                           uint64_t *host_us) {
     const roburoc4_private_service *s = latest(c, ROBUROC4_SERVICE_TELEMETER, host_us);
     if (s == NULL) {
-        return ROBUROC4_ERR_UNKNOWN;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     out->robot_cycles = s->robot_cycles;
     memcpy(out->distances_m, c->private_values.distances, sizeof out->distances_m);
@@ -307,7 +308,7 @@ roburoc4_result roburoc4_client_host_time(const client *c, uint64_t robot_cycles
                                           uint64_t *host_us) {
     const roburoc4_private_link *l = &c->private_link;
     if (!l->mapped) {
-        return ROBUROC4_ERR_UNKNOWN;
+        return ROBUROC4_ERR_NOT_KNOWN;
     }
     const int64_t offset_us =
         l->offset_us < l->offset_before_us ? l->offset_us : l->offset_before_us;

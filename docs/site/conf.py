@@ -29,6 +29,7 @@ include_patterns = [
     "bench/RESULTS.md",
     "docs/*.md",
     "docs/reference/*.md",
+    "ros2/tests/fastdds/README.md",
     "tests/*/README.md",
 ]
 html_theme = "furo"

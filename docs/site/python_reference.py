@@ -8,8 +8,13 @@ from collections.abc import Iterator
 from typing import Any
 
 import roburoc4
+import roburoc4.gate
 import roburoc4.iocard
+import roburoc4.latest
+import roburoc4.notices
+import roburoc4.offline
 import roburoc4.records
+import roburoc4.robot_file
 from roburoc4_tools import recordings
 
 HEAD = """\
@@ -17,15 +22,28 @@ HEAD = """\
 
 Every name of the package `roburoc4`; [python.md](python.md) shows how they are used. What is on the
 wire is in `roburoc4.protocol`; the types of what attributes return, in `roburoc4.records` and
-`roburoc4.iocard`; what reads recordings, in `roburoc4_tools.recordings`: their names are shown with
+`roburoc4.iocard`; what bridges and tools use, in `roburoc4.gate`, `latest`, `notices`, `offline`
+and `robot_file`; what reads recordings, in `roburoc4_tools.recordings`: their names are shown with
 the module. In `roburoc4.aio` methods of the same names are awaited.
 """
+
+
+PARTS = (
+    roburoc4.protocol,
+    roburoc4.records,
+    roburoc4.iocard,
+    roburoc4.gate,
+    roburoc4.latest,
+    roburoc4.notices,
+    roburoc4.offline,
+    roburoc4.robot_file,
+)
 
 
 def labels() -> dict[Any, str]:
     """Return every public thing with its name, which begins with its module: "protocol.decode"."""
     found: dict[Any, str] = {}
-    for module in (roburoc4, roburoc4.protocol, roburoc4.records, roburoc4.iocard, recordings):
+    for module in (roburoc4, *PARTS, recordings):
         prefix = module.__name__.partition(".")[2]
         for name in module.__all__:
             thing = getattr(module, name)

@@ -100,7 +100,7 @@ static void on_telemeter(const lcm_recv_buf_t *buffer, const char *channel,
     trip *trip = user;
     (void)buffer;
     (void)channel;
-    if (fresh(distances->utime) && distances->count > ROBUROC4_TELEMETER_REAR) {
+    if (fresh(distances->utime) && distances->telemeter_count > ROBUROC4_TELEMETER_REAR) {
         trip->distances_us = distances->utime;
         trip->view.front_m = distances->telemeters[ROBUROC4_TELEMETER_FRONT].distance_m;
         trip->view.rear_m = distances->telemeters[ROBUROC4_TELEMETER_REAR].distance_m;
@@ -113,17 +113,19 @@ static void on_bridge_state(const lcm_recv_buf_t *buffer, const char *channel,
     (void)buffer;
     (void)channel;
     trip->ready = trip->ready != 0 || state->can_drive != 0;
-    trip->stopped = trip->driven != 0 && state->waiting != 0;
+    trip->stopped = trip->driven != 0 && state->awaiting_pause != 0;
     trip->driven = trip->driven != 0 || state->driving != 0;
     trip->obeyed = trip->obeyed != 0 || strcmp(state->control_owner, trip->sender) == 0 ||
                    strcmp(state->rejected_sender, trip->sender) == 0;
     trip->view.armed = 1; /* the bridge arms for a command */
     trip->view.overridden = state->overridden != 0;
-    trip->view.inhibited = (state->faults & ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_INHIBITED) != 0;
+    trip->view.inhibited = (state->problems & ROBUROC4_LCM_BRIDGE_STATE_T_PROBLEM_INHIBITED) != 0;
     trip->view.front_bumper_known = state->front_bumper_known != 0;
     trip->view.rear_bumper_known = state->rear_bumper_known != 0;
-    trip->view.front_bumper = (state->faults & ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_FRONT_BUMPER) != 0;
-    trip->view.rear_bumper = (state->faults & ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_REAR_BUMPER) != 0;
+    trip->view.front_bumper =
+        (state->problems & ROBUROC4_LCM_BRIDGE_STATE_T_PROBLEM_FRONT_BUMPER) != 0;
+    trip->view.rear_bumper =
+        (state->problems & ROBUROC4_LCM_BRIDGE_STATE_T_PROBLEM_REAR_BUMPER) != 0;
     if (strcmp(state->message, trip->message) != 0) {
         (void)snprintf(trip->message, sizeof trip->message, "%s", state->message);
         (void)printf("bridge: %s\n", trip->message);

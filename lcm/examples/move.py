@@ -10,7 +10,6 @@ from roburoc4_lcm import bridge_state_t, move_command_t, move_status_t
 network, command, states, statuses = lcm.LCM(), move_command_t(), [], []
 command.sender, command.move_id = f"move.py {time.time_ns()}", 1
 command.kind, command.distance_m = command.KIND_BY, 0.5
-command.clearance_m = -1.0  # the default, 0.5 m
 
 
 def show(channel: str, data: bytes) -> None:

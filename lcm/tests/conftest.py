@@ -21,17 +21,16 @@ def bus(ends: ExitStack) -> Bus:
 
 @pytest.fixture
 def start_bridge(
-    programs: Programs, tmp_path: Path, ends: ExitStack, bus: Bus, robot: Robot
+    programs: Programs,
+    folder_for: Callable[[str], Path],
+    ends: ExitStack,
+    bus: Bus,
+    robot: Robot,
 ) -> Callable[..., Bridge]:
     """Start a bridge to the robot, with more options."""
-    count = 0
 
     def start(*options: str) -> Bridge:
-        nonlocal count
-        count += 1
-        folder = tmp_path / f"bridge{count}"
-        folder.mkdir()
-        bridge = Bridge(programs, folder, bus, robot.address, *options)
+        bridge = Bridge(programs, folder_for("bridge"), bus, robot.address, *options)
         ends.callback(bridge.end)
         return bridge
 

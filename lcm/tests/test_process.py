@@ -8,9 +8,7 @@ import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
-import pytest
-from rig import Bridge, Bus, Programs, until
-from rig.bus import drive_command
+from rig import Bridge, Programs
 
 StartBridge = Callable[..., Bridge]
 
@@ -57,16 +55,3 @@ def test_an_lcm_url_that_is_not_multicast_ends_with_2(programs: Programs) -> Non
     assert "LCM_DEFAULT_URL tcpq://127.0.0.1:7700" in done.stderr
     assert "udpm://ADDRESS:PORT?ttl=N" in done.stderr
     assert "ip route" not in done.stderr, "a route does not help"
-
-
-@pytest.mark.parametrize(("option", "lines"), [("-q", 0), ("", 1), ("-v", 3)])
-def test_quiet_logs_nothing_and_verbose_logs_each_rejection(
-    start_bridge: StartBridge, bus: Bus, option: str, lines: int
-) -> None:
-    bridge = start_bridge("--enable-drive", *option.split()).connects()
-    for _ in range(3):
-        bus.publish("ROBUROC4_DRIVE_CMD", drive_command(0.3, utime=0).encode())
-    until(lambda: bridge.statistics.rejected_no_utime == 3, "all are counted")
-    bridge.end()
-    assert bridge.output.count("utime") == lines
-    assert bool(bridge.output) == (option != "-q")

@@ -1,21 +1,16 @@
 # SPDX-License-Identifier: MIT
 """Every status of the robot is on the bus: once, with its values, at the right time."""
 
-import importlib
 import itertools
-import math
 import struct
-import subprocess
-import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
 import roburoc4
 import roburoc4_lcm
-from rig import Bridge, Bus, Programs, Robot, until
+from rig import Bridge, Bus, Robot
 
 StartBridge = Callable[..., Bridge]
 
@@ -127,29 +122,3 @@ def test_channels_can_be_renamed(robot: Robot, bus: Bus, start_bridge: StartBrid
     for end in ("DIFFERENTIAL", "BRIDGE_STATE", "PROPERTIES"):
         bus.hears(f"PIONEER_{end}")
     assert not [message for message in bus.messages if message.channel.startswith("ROBUROC4")]
-
-
-def test_poses_can_be_shown_by_viewers_of_libbot2(
-    robot: Robot, bus: Bus, start_bridge: StartBridge, tmp_path: Path
-) -> None:
-    source = Programs.checkout() / "lcm" / "bot_core" / "pose_t.lcm"
-    lcm_gen = Path(sys.executable).with_name("lcm-gen")
-    subprocess.run([lcm_gen, "-p", "--ppath", tmp_path, source], check=True)
-    sys.path.insert(0, str(tmp_path))
-    try:
-        pose_t = importlib.import_module("bot_core").pose_t
-    finally:
-        sys.path.remove(str(tmp_path))
-    robot.tell("place 0 0 0")
-    robot.tell("pad ljx -1")
-    robot.tell("pad a down")
-    start_bridge("--pose-channel", "POSE").connects()
-    until(lambda: abs(bus.last("ROBUROC4_LOCALIZATION").theta_rad) > 0.5, "it turns")
-    known = {message.utime: message for message in bus.decoded("ROBUROC4_LOCALIZATION")}
-    poses = [pose_t.decode(message.data) for message in bus.of("POSE")]
-    found = [(pose, known[pose.utime]) for pose in poses if pose.utime in known]
-    assert len(found) > 5
-    for pose, message in found:
-        assert pose.pos == pytest.approx((message.x_m, message.y_m, 0))
-        half = message.theta_rad / 2
-        assert pose.orientation == pytest.approx((math.cos(half), 0, 0, math.sin(half)))

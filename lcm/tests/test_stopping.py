@@ -9,10 +9,8 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack
 
-import pytest
 from processes import drives, first_zero_us
 from rig import Bridge, Bus, Planner, Programs, Robot, until
-from rig.bus import now_us
 
 StartBridge = Callable[..., Bridge]
 Plan = Callable[..., Planner]
@@ -37,25 +35,6 @@ def test_a_killed_planner_stops_the_robot_within_the_lease(
     until(robot.stands, "the robot stands")
     assert not armed.state.driving
     assert armed.state.can_drive, "a new command would drive again"
-
-
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_ends_the_bridge_with_zeros_within_a_second(
-    robot: Robot, armed: Bridge, plan: Plan, number: signal.Signals
-) -> None:
-    plan(linear=0.5)
-    drives(robot)
-    signalled_us = now_us()
-    begun = time.monotonic()
-    armed.signal(number)
-    assert armed.ends(5) == 0
-    assert time.monotonic() - begun < 1.0
-    assert first_zero_us(robot) - signalled_us < MARGIN_US
-    assert len(robot.tap.commands(signalled_us)) >= 3
-    until(robot.stands, "the robot stands")
-    assert "rejected" not in armed.output, "the planner did nothing wrong"
-    assert f"ended by {number.name}" in armed.output
-    assert armed.state.message == "the bridge has ended"
 
 
 def test_a_log_that_nobody_reads_does_not_delay_a_stop(

@@ -259,3 +259,4 @@ def test_a_stop_that_loses_against_another_commander_says_so_once(
             topics.step(0.05 - later_s)
     (note,) = [note for note in topics.notes if "another commander" in note]
     assert note.startswith("stopped by /teleop, but")
+    (note,) = [note for note in topics.notes if note.startswith("stopped by /teleop: ")]

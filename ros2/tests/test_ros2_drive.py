@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: MIT
 """`roburoc4 ros2 --enable-drive`: other processes drive and stop a robot over DDS."""
 
-import subprocess
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from cli_support import start
@@ -22,25 +19,6 @@ from roburoc4_tools.ros.cdr import Cdr
 from roburoc4_tools.ros.published import CMD_VEL, Profile
 
 PERIOD_S = 0.05
-# A publisher as a process of its own, which streams until it is killed.
-STREAM = """
-import sys, time
-from roburoc4_tools.ros.cdr import Cdr
-from roburoc4_ros2.participant import Participant
-from roburoc4_ros2.services import Services
-from roburoc4_tools.ros.published import Profile
-with_stamp = sys.argv[3] == "stamped"
-participant = Participant(int(sys.argv[1]), interface="lo")
-node = participant.node("/", sys.argv[2])
-kind = "geometry_msgs/TwistStamped" if with_stamp else "geometry_msgs/Twist"
-publisher = node.publisher("cmd_vel", kind, Profile(10))
-participant.announce()
-time.sleep(1.5)
-while True:
-    message = Cdr().header(time.time(), "") if with_stamp else Cdr()
-    publisher.publish(bytes(message.numbers("d", 0.3, 0.0, 0.0, 0.0, 0.0, 0.0).data))
-    time.sleep(0.05)
-"""
 
 
 @pytest.fixture
@@ -86,25 +64,24 @@ def bridge(domain: int, served: Simulator) -> Iterator[Callable[..., Bridge]]:
 
 
 @pytest.fixture
-def stream(domain: int) -> Iterator[Callable[..., "subprocess.Popen[bytes]"]]:
-    started = []
-
-    def start_it(name: str = "planner", kind: str = "stamped") -> "subprocess.Popen[bytes]":
-        command = [sys.executable, "-c", STREAM, str(domain), name, kind]
-        started.append(subprocess.Popen(command))
-        return started[-1]
-
-    yield start_it
-    for one in started:
-        one.kill()
-        one.wait()
-
-
-@pytest.fixture
 def others(domain: int) -> Iterator[Participant]:
     participant = Participant(domain, interface="lo")
     yield participant
     participant.close()
+
+
+def sender(others: Participant, name: str) -> Callable[[bytes], None]:
+    """Return what sends a forward speed in a frame, 20 times a second if called in a loop."""
+    node = others.node("/", name)
+    publisher = node.publisher("cmd_vel", "geometry_msgs/TwistStamped", Profile(10))
+    others.announce()
+
+    def send(frame: bytes) -> None:
+        whole = bytes(Cdr().header(time.time(), "f").numbers("d", 0.3, *[0.0] * 5).data)
+        publisher.publish(whole.replace(b"f\0", frame + b"\0"))
+        time.sleep(PERIOD_S)
+
+    return send
 
 
 def drives(served: Simulator) -> bool:
@@ -131,24 +108,14 @@ def test_a_message_that_is_none_is_refused_and_the_next_drives(
     served: Simulator, bridge: Callable[..., Bridge], others: Participant
 ) -> None:
     running = bridge()
-    node = others.node("/", "broken")
-    publisher = node.publisher("cmd_vel", "geometry_msgs/TwistStamped", Profile(10))
-    others.announce()
-
-    def send(message: bytes) -> None:
-        publisher.publish(message)
-        time.sleep(PERIOD_S)
-
-    def message(frame: bytes) -> bytes:
-        whole = bytes(Cdr().header(time.time(), "f").numbers("d", 0.3, *[0.0] * 5).data)
-        return whole.replace(b"f\0", frame + b"\0")
+    send = sender(others, "broken")
 
     def refused() -> bool:
-        send(message(b"\xff"))  # no UTF-8; what is not CDR at all, DDS drops
+        send(b"\xff")  # no UTF-8; what is not CDR at all, DDS drops
         return running.told("it is not a message")
 
     def obeyed() -> bool:
-        send(message(b"f"))
+        send(b"f")
         return drives(served)
 
     until(refused)
@@ -157,13 +124,19 @@ def test_a_message_that_is_none_is_refused_and_the_next_drives(
 
 
 def test_a_file_and_options_say_what_drives(
-    served: Simulator, bridge: Callable[..., Bridge], stream: Callable[..., Any], tmp_path: Path
+    served: Simulator, bridge: Callable[..., Bridge], others: Participant, tmp_path: Path
 ) -> None:
     file = tmp_path / "robots.yaml"
     file.write_text("lease_ms: 400\nmax_linear_m_s: 0.1\n", encoding="utf-8")
     bridge("--config", str(file))
-    stream()
-    until(lambda: served.state.last_linear_m_s == pytest.approx(0.1))
+    send = sender(others, "planner")
+    time.sleep(1.0)  # the pause that the start of the bridge asks for
+
+    def reduced() -> bool:
+        send(b"f")
+        return served.state.last_linear_m_s == pytest.approx(0.1)
+
+    until(reduced)
 
 
 def test_without_dds_the_robot_stands_and_a_person_is_told(domain: int, served: Simulator) -> None:

@@ -61,8 +61,7 @@ def test_parameters_are_read_as_yaml() -> None:
 )
 def test_files_are_for_the_nodes_that_they_name(tmp_path: Path, pattern: str, fits: bool) -> None:
     file = tmp_path / "parameters.yaml"
-    end = "}" * pattern.count("{")
-    file.write_text(f"{pattern}: {{ros__parameters: {{address: 10.0.0.9, tf: false}}}}{end}\n")
+    file.write_text(f"{pattern}: {{ros__parameters: {{address: 10.0.0.9, tf: false}}}}\n")
     robot = ros("-r", "__ns:=/red", "-r", "__node:=base", "--params-file", str(file))
     assert robot.address == ("10.0.0.9" if fits else ADDRESS)
     assert robot.tf is not fits

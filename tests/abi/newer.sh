@@ -81,8 +81,8 @@ change include/roburoc4_move.h 'BEGIN { left = 3 }
         $0 = "    uint32_t private_relocalized;"
         left--
     }
-    /^    uint32_t private_spare\[2\];/ {
-        $0 = "    uint32_t private_spare[1], private_timeout_ms, private_duration_ms;"
+    /^    uint32_t private_spare\[7\];/ {
+        $0 = "    uint32_t private_spare[6], private_timeout_ms, private_duration_ms;"
         $0 = $0 "\n    roburoc4_move_options private_options;"
         left--
     }'
@@ -97,7 +97,7 @@ change src/udp.c 'BEGIN { left = 1 }
         print "    udp->private_new = 1;\n    udp->counters[ROBUROC4_UDP_COUNT_NEW]++;"; left--
     }'
 # What checks offsets inside of a client does so for one version of the library.
-change src/client.c 'BEGIN { left = 1 }
+change src/lifecycle.c 'BEGIN { left = 1 }
     /^LAYOUT\(client, / { left-- }
     /^LAYOUT\((config|client_)/ { next }'
 

@@ -54,7 +54,9 @@ def fields(body: str) -> list[tuple[str, str]]:
             r"(.*?[\w ]+?)((?:\*| )\s*\*?\w+(?:\[[^]]*\])*)", first
         ).groups()
         for text in (declarator, *others):
-            stars, name, dimensions = re.fullmatch(r"\s*(\**)\s*(\w+)((?:\[\d+\])*)", text).groups()
+            stars, name, dimensions = re.fullmatch(
+                r"\s*(\**)\s*(\w+)((?:\[[^]]*\])*)", text
+            ).groups()
             if not name.startswith(FREE):
                 pointer = f"(*){dimensions}" if dimensions else "*"
                 found.append((name, f"{' '.join(base.split())} {stars}{pointer}"))

@@ -19,7 +19,7 @@ estop)
     drive_off "$drive_square" "$robot"
     echo estop local press >&3
     end_of_drive 1
-    grep -q 'move 1: the robot does not move' said || { starved && again; }
+    grep -q 'move 1: the robot does not follow' said || { starved && again; }
     ;;
 interrupted)
     # A background job of a script ignores SIGINT unless the program itself takes it.

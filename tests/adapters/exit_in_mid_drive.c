@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * exit_in_mid_drive HOST:PORT [FILE]: drive with a pump, and exit() as soon as the robot reports
- * the speed; FILE: recorded there. pump_test.cpp and record_test.cpp run it.
+ * exit_in_mid_drive HOST:PORT: drive with a pump, and exit() as soon as the robot reports the
+ * speed. pump_test.cpp runs it.
  */
 #include "roburoc4_pump.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 int main(int argc, char **argv) {
     roburoc4_address address;
@@ -14,15 +13,11 @@ int main(int argc, char **argv) {
     roburoc4_result result = ROBUROC4_ERR_NOT_READY;
     roburoc4_pump_reader reader = {0, 0, 0};
     roburoc4_client *client;
-    roburoc4_recorder *recorder = NULL;
     roburoc4_pump *pump;
-    if (argc < 2 || roburoc4_udp_resolve(argv[1], 0, &address) < 0) {
+    if (argc != 2 || roburoc4_udp_resolve(argv[1], 0, &address) < 0) {
         return 2;
     }
-    if (argc > 2 && strchr(argv[2], '/') != NULL) {
-        recorder = roburoc4_recorder_open(argv[2], NULL, NULL);
-    }
-    pump = roburoc4_pump_create(&address, NULL, 0, recorder, NULL);
+    pump = roburoc4_pump_create(&address, NULL, 0, NULL, NULL);
     while (result < 0 || status.target_linear_m_s == 0.0f) {
         roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_DIFFERENTIAL, 50000);
         roburoc4_pump_take_events(pump, &reader);

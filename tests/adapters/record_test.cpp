@@ -86,8 +86,9 @@ class Traffic {
     void receive(size_t count) {
         for (size_t i = 0; i < count; i++) {
             peer_.send(own_, bytes_of(sent_++));
-            while (roburoc4_udp_receive_one(&udp_, &client_, nullptr, nullptr) ==
-                   ROBUROC4_UDP_NOTHING) {
+            const uint32_t before = udp_.counters[ROBUROC4_UDP_COUNT_RECEIVED];
+            while (udp_.counters[ROBUROC4_UDP_COUNT_RECEIVED] == before) {
+                roburoc4_udp_receive(&udp_, &client_, nullptr, nullptr);
             }
         }
     }

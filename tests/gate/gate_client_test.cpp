@@ -193,6 +193,20 @@ TEST_F(GateClient, AStopStopsAndHolds) {
     EXPECT_EQ(1, gate.taken[GATE_STOP]);
 }
 
+TEST_F(GateClient, AStopIsOverOnceASpeedOrAMoveIsObeyed) {
+    for (const bool moves : {false, true}) {
+        gate_stop_client(&gate, &client, "operator", 8, now_us());
+        pass(1000);
+        EXPECT_EQ(GATE_UNITS, send(300));
+        pass(10);
+        EXPECT_EQ(GATE_TAKEN, send(0));
+        pass(10);
+        EXPECT_TRUE(gate.stopped);
+        EXPECT_EQ(GATE_TAKEN, moves ? gate_arm(&gate, &client, now_us()) : send(0.3F));
+        EXPECT_FALSE(gate.stopped);
+    }
+}
+
 TEST_F(GateClient, AStreamThatNeverPausesDoesNotDriveOnAfterAStop) {
     for (int at = 0; at < 20; at++) {
         EXPECT_EQ(GATE_TAKEN, send(0.3F));

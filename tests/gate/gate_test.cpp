@@ -245,7 +245,7 @@ TEST_F(GateWithLongAges, RejectsCommandsFromBeforeItsStartAlsoAfterThePause) {
 
 TEST_F(GateWithLongAges, RejectsCommandsFromBeforeTheClockWasSetAlsoAfterThePause) {
     gate_time now{us(), epoch + 7200 * second};
-    gate_clock_was_set(&gate, now);
+    EXPECT_NE(0, gate_look_at_clock(&gate, now));
     now.us += 600000;
     now.utime += 600000;
     gate_command c = command();
@@ -421,7 +421,7 @@ TEST_F(Gate, MoreSendersAtOnceThanItCanRememberAreRejected) {
 TEST_F(Gate, AfterTheClockIsSetAllMustPause) {
     ASSERT_EQ(GATE_TAKEN, judge(command()));
     const gate_time set{us(), epoch - 3600 * second};
-    gate_clock_was_set(&gate, set);
+    EXPECT_NE(0, gate_look_at_clock(&gate, set));
     std::size_t length = 0;
     EXPECT_EQ(nullptr, gate_control_owner(&gate, us(), &length)) << "nobody is in control";
     gate_command c = command();
@@ -696,11 +696,8 @@ TEST_F(Gate, AStopEndsControlAndHoldsUntilAPause) {
     EXPECT_EQ("", owner());
     EXPECT_EQ(GATE_DISARMED, stream(5 * second, armed));
     run(500 * ms);
-    EXPECT_TRUE(gate.stopped) << "until a command is obeyed";
-    EXPECT_EQ(GATE_TAKEN, stream(50 * ms, armed, true));
-    EXPECT_TRUE(gate.stopped) << "a zero is no new command";
     EXPECT_EQ(GATE_TAKEN, judge(command("second")));
-    EXPECT_FALSE(gate.stopped);
+    EXPECT_TRUE(gate.stopped) << "it may still be refused";
 }
 
 TEST_F(Gate, AStopMayHaveNoSenderOrALongOne) {

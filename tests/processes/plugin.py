@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """For pytest: robots and programs for each test, and an end for all of them after it."""
 
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -25,12 +26,17 @@ def ends() -> Iterator[ExitStack]:
 
 
 @pytest.fixture
-def start_robot(programs: Programs, tmp_path: Path, ends: ExitStack) -> Callable[..., Robot]:
-    started: list[Robot] = []
+def folder_for(tmp_path: Path) -> Callable[[str], Path]:
+    """A new folder for each program of a name."""
+    return lambda name: Path(tempfile.mkdtemp(prefix=name, dir=tmp_path))
 
+
+@pytest.fixture
+def start_robot(
+    programs: Programs, folder_for: Callable[[str], Path], ends: ExitStack
+) -> Callable[..., Robot]:
     def start(*options: str) -> Robot:
-        robot = Robot(programs, tmp_path / f"robot{len(started)}", *options)
-        started.append(robot)
+        robot = Robot(programs, folder_for("robot"), *options)
         ends.callback(robot.close)
         return robot
 
@@ -43,15 +49,11 @@ def robot(start_robot: Callable[..., Robot]) -> Robot:
 
 
 @pytest.fixture
-def run(tmp_path: Path, ends: ExitStack) -> Callable[..., Program]:
+def run(folder_for: Callable[[str], Path], ends: ExitStack) -> Callable[..., Program]:
     """Run any program; what still runs at the end is ended."""
-    started: list[Program] = []
 
     def start(*command: str | Path, **environment: str) -> Program:
-        program = Program(
-            tmp_path / f"program{len(started)}.log", *command, environment=environment
-        )
-        started.append(program)
+        program = Program(folder_for("program") / "log", *command, environment=environment)
         ends.callback(program.end)
         return program
 

@@ -2,7 +2,6 @@
 """roburoc4-sim as a process, its panel, and the tap before it."""
 
 import re
-import time
 from pathlib import Path
 
 from .process import Program
@@ -12,23 +11,19 @@ from .waiting import until
 
 _POSE = re.compile(r" pose (\S+) (\S+) (\S+), odometry")
 _SPEED = re.compile(r" speed (\S+) m/s (\S+) rad/s, target (\S+) m/s (\S+) rad/s")
-_LONG_ON_S = 3.0  # longer than the silence until its statuses come again
 
 
 class Robot:
     """A simulated robot behind a tap."""
 
     def __init__(self, programs: Programs, folder: Path, *options: str) -> None:
-        folder.mkdir(parents=True, exist_ok=True)
         self.program = Program(
             folder / "sim.log", programs("roburoc4-sim"), "--port", "0", "--panel", *options
         )
         self.program.says("\n")
         addresses = re.findall(r"127\.0\.0\.1:\d+", self.program.output.splitlines()[0])
-        self.past_the_tap = addresses[0]
         self.taps = [Tap(address) for address in addresses]
         self.tap = self.taps[0]
-        self._on_s = time.monotonic()
 
     @property
     def address(self) -> str:
@@ -50,14 +45,6 @@ class Robot:
         reply = self.program.output[before:]
         assert not reply.startswith("error"), f"{line!r}: {reply}"
         return reply
-
-    def reboot(self, dark_s: float = 0.3) -> None:
-        """Switch it off and on, so late that its clock goes back for all to see."""
-        time.sleep(max(0.0, self._on_s + _LONG_ON_S - time.monotonic()))
-        self.tell("power off")
-        time.sleep(dark_s)
-        self.tell("power on")
-        self._on_s = time.monotonic()
 
     def true_pose(self) -> tuple[float, float, float]:
         found = _POSE.search(self.tell("status"))

@@ -98,14 +98,6 @@ class Tap:
             self.from_robot.append(telegram)
             self._pass(self._front, telegram.data, self._bridge)
 
-    def inject(self, data: bytes) -> None:
-        """Send the bridge something that the robot never sent."""
-        self._front.sendto(data, self._bridge)
-
-    def forget(self) -> None:
-        self.to_robot.clear()
-        self.from_robot.clear()
-
     def commands(self, since_us: int = 0) -> list[Command]:
         """All speed commands that reached the robot, in their order."""
         found = []

@@ -53,12 +53,6 @@ class Channel {
         return all;
     }
 
-    [[nodiscard]] sim_network_counts counts() const {
-        sim_network_counts counts{};
-        sim_network_count(get(), &counts);
-        return counts;
-    }
-
   private:
     std::unique_ptr<sim_network, void (*)(sim_network *)> channel_;
 };
@@ -117,7 +111,6 @@ TEST(SimNetwork, WithoutFaultsDeliversEverythingAtOnceAndInOrder) {
     ASSERT_EQ(many, all.size());
     for (std::uint64_t number = 0; number < many; number++)
         ASSERT_EQ((Arrival{number * beat_us, number % 7, numbered(number)}), all[number]);
-    EXPECT_EQ(many, channel.counts().delivered);
 }
 
 TEST(SimNetwork, LosesTheConfiguredShare) {
@@ -126,7 +119,6 @@ TEST(SimNetwork, LosesTheConfiguredShare) {
     const Channel channel(faults);
     const auto all = pass_many(channel);
     expect_share(0.2, many - all.size());
-    EXPECT_EQ(many - all.size(), channel.counts().lost);
     faults.loss = 1.0;
     EXPECT_TRUE(pass_many(Channel(faults)).empty());
 }
@@ -158,7 +150,6 @@ TEST(SimNetwork, DuplicatesTheConfiguredShare) {
     const Channel channel(faults);
     const auto all = pass_many(channel);
     expect_share(0.1, all.size() - many);
-    EXPECT_EQ(all.size() - many, channel.counts().duplicated);
     for (const auto &arrival : all)
         ASSERT_EQ(numbered(number_of(arrival.bytes)), arrival.bytes);
 }
@@ -179,7 +170,6 @@ TEST(SimNetwork, CorruptsTheConfiguredShareAndNothingElse) {
         cut += bytes.size() < 20 ? 1U : 0U;
     }
     expect_share(0.25, damaged);
-    EXPECT_EQ(damaged, channel.counts().corrupted) << "what is damaged differs";
     EXPECT_NEAR(0.25, double(cut) / double(damaged), 0.05);
 }
 
@@ -190,16 +180,15 @@ TEST(SimNetwork, IsTheSameForTheSameSeed) {
     EXPECT_FALSE(first == pass_many(Channel(faults, 10)));
 }
 
-TEST(SimNetwork, DropsAndCountsWhatItCannotHold) {
+TEST(SimNetwork, DropsWhatItCannotHold) {
     auto faults = no_faults();
     faults.delay_us = 1000;
     const Channel channel(faults, 1, 3, 16);
     channel.push(1, {}, 0);
     channel.push(1, Bytes(17), 0);
-    EXPECT_EQ(2U, channel.counts().dropped);
+    EXPECT_EQ(std::numeric_limits<std::uint64_t>::max(), sim_network_next_deadline(channel.get()));
     for (std::uint8_t number = 0; number < 5; number++)
         channel.push(1, {number}, 0);
-    EXPECT_EQ(4U, channel.counts().dropped);
     EXPECT_TRUE(channel.poll(999).empty());
     EXPECT_EQ(3U, channel.poll(1000).size());
     EXPECT_EQ(std::numeric_limits<std::uint64_t>::max(), sim_network_next_deadline(channel.get()));

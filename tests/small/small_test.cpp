@@ -30,6 +30,17 @@ TEST(Small, DrivesAndAsksForNoText) {
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_SENT));
 }
 
+TEST(Small, NeverAsksWithTheManualsId) {
+    ScriptedRobot robot;
+    robot.instead = [](const roburoc4_request &, std::vector<Bytes> &) { return true; };
+    Bench bench(robot, where_things_are());
+    bench.start();
+    bench.run(20 * second);
+    EXPECT_GT(robot.requests.size(), 10U);
+    for (const auto &request : robot.requests)
+        EXPECT_NE(ROBUROC4_HEADER_MANUAL, request.what.id);
+}
+
 TEST(Small, TheGamePadDisarms) {
     ScriptedRobot robot;
     Bench bench(robot, where_things_are());

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
+#include <stdexcept>
 
 #include "client_support.h"
 #include "roburoc4_sim.h"
@@ -273,6 +274,44 @@ class Bench {
     Partner &partner_;
     std::multimap<std::uint64_t, Bytes> flight_;
 };
+
+struct OwnRobot {
+    std::unique_ptr<ScriptedRobot> own_robot; /* before the bench that uses it */
+};
+
+/** A bench with a scripted robot: its own, or one that was prepared before. */
+class RobotBench : private OwnRobot, public Bench {
+  public:
+    explicit RobotBench(const roburoc4_config &config = default_config())
+        : OwnRobot{std::make_unique<ScriptedRobot>()}, Bench(*own_robot, config),
+          robot(*own_robot) {}
+    explicit RobotBench(ScriptedRobot &prepared, const roburoc4_config &config = default_config())
+        : Bench(prepared, config), robot(prepared) {}
+
+    ScriptedRobot &robot;
+};
+
+/** The same after its start(), ready() or armed(). */
+template <void (Bench::*begin)()> class BegunBench : public RobotBench {
+  public:
+    explicit BegunBench(const roburoc4_config &config = default_config()) : RobotBench(config) {
+        must_begin();
+    }
+    explicit BegunBench(ScriptedRobot &prepared, const roburoc4_config &config = default_config())
+        : RobotBench(prepared, config) {
+        must_begin();
+    }
+
+  private:
+    void must_begin() {
+        (this->*begin)();
+        if (testing::Test::HasFatalFailure())
+            throw std::runtime_error("the bench did not begin");
+    }
+};
+using Started = BegunBench<&Bench::start>;
+using Ready = BegunBench<&Bench::ready>;
+using Armed = BegunBench<&Bench::armed>;
 
 /** The simulator's library as a partner. */
 class SimPartner : public Partner {

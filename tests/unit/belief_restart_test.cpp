@@ -54,12 +54,10 @@ TEST(Restart, InAnOutageIsNoticedWhateverItsClockShows) {
 
 TEST(Restart, IsNotReportedOfTheSameRobotAfterAnOutage) {
     for (const std::uint64_t outage_s : {2U, 30U, 3600U}) {
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.ready();
-        robot.powered = false;
+        Ready bench;
+        bench.robot.powered = false;
         bench.run(outage_s * second);
-        robot.powered = true;
+        bench.robot.powered = true;
         bench.run(10 * second);
         EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS)) << outage_s;
         EXPECT_EQ(ROBUROC4_OK, bench.arm()) << outage_s;
@@ -92,8 +90,7 @@ TEST(Restart, IsAssumedOfARobotThatWasLostBeforeItsFirstStatus) {
 /** What was overheard before the subscriptions dates nothing: no request proved its age. */
 TEST(Restart, IsAssumedOfARobotThatWasLostBeforeAStatusThatCounted) {
     ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     const auto subscriptions = robot.subscriptions; /* some robots keep them */
     robot.reboot();
     robot.subscriptions = subscriptions;
@@ -122,8 +119,7 @@ TEST(Restart, ThatStatusesInAQueueHideIsNoticedWhenTheyAreOnTime) {
     for (const std::uint64_t ahead_s : {2U, 4U, 5U}) {
         SCOPED_TRACE(ahead_s);
         ScriptedRobot robot;
-        Bench bench(robot);
-        bench.ready();
+        Ready bench(robot);
         bench.run(10 * second);
         const std::uint64_t cycles = robot.cycles();
         const auto subscriptions = robot.subscriptions; /* some robots keep them */
@@ -140,9 +136,7 @@ TEST(Restart, ThatStatusesInAQueueHideIsNoticedWhenTheyAreOnTime) {
 }
 
 TEST(Restart, IsNotReportedOfTheSameRobotWhoseQueueEmpties) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     std::uint64_t delay_us = 0;
     bench.delay_to_client = [&delay_us] { return delay_us; };
     for (const std::uint64_t step_us : {1 * ms, 10 * ms, 40 * ms}) {
@@ -153,7 +147,7 @@ TEST(Restart, IsNotReportedOfTheSameRobotWhoseQueueEmpties) {
             bench.run(50 * ms);
         bench.run(20 * second);
         for (int i = 0; i < 600; i++) /* nobody receives */
-            robot.advance(bench.now_us += 10 * ms);
+            bench.robot.advance(bench.now_us += 10 * ms);
     }
     bench.run(2 * second);
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS));
@@ -162,8 +156,7 @@ TEST(Restart, IsNotReportedOfTheSameRobotWhoseQueueEmpties) {
 
 TEST(Restart, IsNotReportedForEverWhereStampsAreOfTheMeasurement) {
     MeasuringRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     robot.powered = false;
     bench.run(30 * second);
     bench.delay_to_client = [] { return 60 * ms; };
@@ -177,17 +170,16 @@ TEST(Restart, IsNotReportedForEverWhereStampsAreOfTheMeasurement) {
 TEST(Restart, InAnOutageIsAssumedIfThisClockWentBackMeanwhile) {
     for (const std::uint64_t up_s : {20U, 3600U}) {
         SCOPED_TRACE(up_s);
-        ScriptedRobot robot;
-        Bench bench(robot);
-        robot.set_cycles(1200);
+        RobotBench bench;
+        bench.robot.set_cycles(1200);
         bench.ready();
-        robot.powered = false;
+        bench.robot.powered = false;
         bench.run(5 * second);
         bench.skew_us -= static_cast<std::int64_t>(2 * second);
         bench.run(5 * second);
-        robot.reboot();
-        robot.set_cycles(up_s * 100);
-        robot.powered = true;
+        bench.robot.reboot();
+        bench.robot.set_cycles(up_s * 100);
+        bench.robot.powered = true;
         bench.run(10 * second);
         EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
         EXPECT_EQ(ROBUROC4_OK, bench.arm());
@@ -197,8 +189,7 @@ TEST(Restart, InAnOutageIsAssumedIfThisClockWentBackMeanwhile) {
 /** By how much it went back is not known either, if nobody called meanwhile. */
 TEST(Restart, IsAssumedIfThisClockWentBackAndTheRobotsIsASecondAhead) {
     ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     const std::uint64_t cycles = robot.cycles();
     robot.powered = false;
     bench.run(900 * ms);
@@ -217,8 +208,7 @@ TEST(Restart, IsAssumedIfThisClockWentBackAndTheRobotsIsASecondAhead) {
 
 TEST(Restart, IsNotHiddenByWhatIsOverheardWhileServicesAreRead) {
     ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     bench.run(10 * second);
     robot.remove(ROBUROC4_SERVICE_BATTERY);
     robot.service(ROBUROC4_SERVICE_TELEMETER).get_silent = true; /* so that it takes long */
@@ -236,23 +226,19 @@ TEST(Restart, IsNotHiddenByWhatIsOverheardWhileServicesAreRead) {
 TEST(Restart, IsAssumedAfterASecondOfSilenceInWhichThisClockWentBack) {
     roburoc4_config config = default_config();
     config.lost_ms = 5000;
-    ScriptedRobot robot;
-    Bench bench(robot, config);
-    bench.ready();
-    robot.powered = false;
+    Ready bench(config);
+    bench.robot.powered = false;
     bench.run(700 * ms);
     bench.skew_us -= static_cast<std::int64_t>(second);
     bench.run(700 * ms);
-    robot.powered = true; /* its clock was set meanwhile, to about the same time */
-    robot.set_cycles(robot.cycles() - 100);
+    bench.robot.powered = true; /* its clock was set meanwhile, to about the same time */
+    bench.robot.set_cycles(bench.robot.cycles() - 100);
     bench.run(100 * ms);
     EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
 }
 
 TEST(Restart, IsNotAssumedWhereOnlyThisClockWentBack) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     bench.run(5 * second);
     bench.skew_us -= static_cast<std::int64_t>(2 * second);
     bench.run(5 * second);

@@ -34,8 +34,7 @@ roburoc4_result find(const Bench &bench, const char *wanted, std::uint32_t io_ty
 
 TEST(ChannelName, IsTheManualsAtItsIndexOnTheUsualCard) {
     ScriptedRobot robot = silent_robot(22, 9);
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     for (std::uint32_t index = 0; index < 22; index++)
         EXPECT_STREQ(roburoc4_client_channel_name(nullptr, digital, index),
                      roburoc4_client_channel_name(&bench.client, digital, index));
@@ -50,15 +49,13 @@ TEST(ChannelName, IsTheManualsAtItsIndexOnTheUsualCard) {
 TEST(ChannelName, IsNoneForOutputsThatTheManualDoesNotHave) {
     ScriptedRobot robot = silent_robot(22, 9);
     robot.iocard.analog_outputs = 2;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ("none", name(bench, ROBUROC4_IO_ANALOG_OUTPUT, 1));
 }
 
 TEST(ChannelFind, LooksAtNoMoreChannelsThanAClientStores) {
     ScriptedRobot robot = silent_robot(100, 9);
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ(ROBUROC4_ERR_INDEX, find(bench, "{front} bumper~"));
     EXPECT_EQ(ROBUROC4_ERR_INDEX,
               roburoc4_client_channel_find(&bench.client, digital, "lamp", nullptr, 5));
@@ -67,10 +64,20 @@ TEST(ChannelFind, LooksAtNoMoreChannelsThanAClientStores) {
     EXPECT_EQ(ROBUROC4_ERR_INDEX, find(bench, "lamp", digital, texts));
 }
 
+TEST(ChannelFind, AnInputThatWasSetHasTheManualsNameToo) {
+    roburoc4_config config = default_config();
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = 12;
+    config.role_index[ROBUROC4_ROLE_FRONT_BUMPER] = 13;
+    ScriptedRobot robot = silent_robot(22, 9);
+    Ready bench(robot, config);
+    const std::vector<const char *> texts(22, "spare");
+    EXPECT_EQ(12, find(bench, "Game pad \"A\" button", digital, texts));
+    EXPECT_EQ(13, find(bench, "Front bumper", digital, texts));
+}
+
 TEST(ChannelName, HasTheManualsNumberOnACardWithOneInputMore) {
     ScriptedRobot robot = silent_robot(23, 10);
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ("Rear bumper", name(bench, digital, 1));
     EXPECT_EQ("none", name(bench, digital, 2));
     EXPECT_EQ("", name(bench, digital, 3));
@@ -84,8 +91,7 @@ TEST(ChannelName, HasTheManualsNumberOnACardWithOneInputMore) {
 TEST(ChannelName, IsNoneOnACardThatTheManualDoesNotKnow) {
     for (const std::int32_t inputs : {0, 8, 21, 24, 40}) {
         ScriptedRobot robot = silent_robot(inputs, inputs);
-        Bench bench(robot);
-        bench.ready();
+        Ready bench(robot);
         for (std::uint32_t index = 0; index < 64; index++)
             EXPECT_EQ("none", name(bench, digital, index)) << inputs;
         EXPECT_EQ(ROBUROC4_ERR_INDEX, find(bench, "Front bumper"));
@@ -97,8 +103,7 @@ TEST(ChannelName, OfTheManualGoesToTheInputWithTheRole) {
     robot.channel_text = [](std::uint32_t io_type, std::uint32_t index) -> std::string {
         return io_type == digital && index == 12 ? "Game pad A button" : "?";
     };
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ("Game pad \"A\" button", name(bench, digital, 12));
     EXPECT_EQ("none", name(bench, digital, 8));
     EXPECT_EQ(12, find(bench, "Game pad \"A\" button"));
@@ -110,8 +115,7 @@ TEST(ChannelName, OfTheOverrideGoesToTheInputOfTheUser) {
     ScriptedRobot robot = silent_robot(22, 9);
     roburoc4_config config = default_config();
     config.role_index[ROBUROC4_ROLE_OVERRIDE] = 20;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(robot, config);
     EXPECT_EQ("Game pad \"A\" button", name(bench, digital, 20));
     EXPECT_EQ("none", name(bench, digital, 8));
 }
@@ -122,13 +126,12 @@ TEST(ChannelName, IsUnknownBeforeTheRobotReportsItsCard) {
     Bench bench(robot);
     bench.run(second);
     EXPECT_EQ("none", name(bench, digital, 0));
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, find(bench, "Front bumper"));
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, find(bench, "Front bumper"));
 }
 
 TEST(ChannelFind, ComparesWordsWhateverTheirFormAndOrder) {
     ScriptedRobot robot = silent_robot(22, 9);
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     for (const char *wanted : {"Game pad \"B\" button", "gamepad b", "Button B, game-pad",
                                "Joystick button B", "  B (GAMEPAD)", "Button, button B: gamepad"})
         EXPECT_EQ(9, find(bench, wanted)) << wanted;
@@ -143,8 +146,7 @@ TEST(ChannelFind, ComparesWordsWhateverTheirFormAndOrder) {
 
 TEST(ChannelFind, BelievesTheRobotsOwnTextsFirst) {
     ScriptedRobot robot = silent_robot(22, 9);
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     std::vector<const char *> texts(22, nullptr);
     texts[9] = "Gamepad X";  // which the manual has at 10
     texts[10] = "Gamepad B"; // which the manual has at 9
@@ -159,8 +161,7 @@ TEST(ChannelFind, BelievesTheRobotsOwnTextsFirst) {
 
 TEST(ChannelFind, ReportsANameThatTwoChannelsHave) {
     ScriptedRobot robot = silent_robot(22, 9);
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     std::vector<const char *> texts(22, nullptr);
     texts[0] = texts[1] = "Spare";
     EXPECT_EQ(ROBUROC4_ERR_VALUE, find(bench, "spare", digital, texts));
@@ -168,8 +169,7 @@ TEST(ChannelFind, ReportsANameThatTwoChannelsHave) {
 
 TEST(ChannelFind, TellsDigitsAndForeignLettersApart) {
     ScriptedRobot robot = silent_robot(22, 9);
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     std::vector<const char *> texts(22, nullptr);
     texts[15] = "Lamp 1";
     texts[16] = "Lamp 2";

@@ -129,8 +129,8 @@ TEST(Config, EveryRangeEndsWhereTheHeaderSays) {
                 [](roburoc4_config &c) { c.drive_period_ms = 10; });
     check_range("robot_watchdog_ms: 100 to 60000", &roburoc4_config::robot_watchdog_ms, 100, 60000);
     check_range("lapse_disarm_ms: 0 to 60000", &roburoc4_config::lapse_disarm_ms, 0, 60000);
-    check_range("max_linear_m_s: 0.001 to 20", &roburoc4_config::max_linear_m_s, 0.001F, 20);
-    check_range("max_angular_rad_s: 0.001 to 50", &roburoc4_config::max_angular_rad_s, 0.001F, 50);
+    check_range("max_linear_m_s: 0.001 to 5", &roburoc4_config::max_linear_m_s, 0.001F, 5);
+    check_range("max_angular_rad_s: 0.001 to 10", &roburoc4_config::max_angular_rad_s, 0.001F, 10);
     check_range("scale_linear: 0.01 to 10", &roburoc4_config::scale_linear, 0.01F, 10);
     check_range("scale_angular: 0.01 to 10", &roburoc4_config::scale_angular, 0.01F, 10);
 }
@@ -314,8 +314,7 @@ TEST(Init, AfterAnErrorEveryOtherFunctionRefusesTheClient) {
 }
 
 TEST(Struct, OfAnUnknownSizeIsRefused) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     roburoc4_facts facts{};
     roburoc4_link link{};
     roburoc4_service_link service{};
@@ -339,9 +338,7 @@ TEST(Struct, OfAnUnknownSizeIsRefused) {
 }
 
 TEST(Client, MayBeMovedAsPlainBytes) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     const auto copy = std::make_unique<roburoc4_client>();
     memcpy(copy.get(), &bench.client, sizeof bench.client);
@@ -353,8 +350,7 @@ TEST(Client, MayBeMovedAsPlainBytes) {
 }
 
 TEST(Client, PollWithTooSmallABufferSendsNothing) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_start(&bench.client, bench.client_us()));
     std::uint8_t buffer[ROBUROC4_MAX_TRANSMIT];
     for (const std::size_t size : {std::size_t{3}, sizeof buffer - 1})
@@ -370,8 +366,7 @@ TEST(Client, PollWithTooSmallABufferSendsNothing) {
 TEST(Client, ConfigurationIsNotKept) {
     roburoc4_config config = default_config();
     config.lease_ms = 500;
-    ScriptedRobot robot;
-    Bench bench(robot, config);
+    RobotBench bench(config);
     config.lease_ms = 20;
     bench.armed();
     ASSERT_EQ(ROBUROC4_OK, bench.drive(0.1F, 0));

@@ -22,8 +22,7 @@ std::vector<std::uint32_t> states_until_ready(Bench &bench) {
 }
 
 void expect_ready_within(ScriptedRobot &robot, std::uint64_t limit_us) {
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, limit_us));
     bench.run(5 * second);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
@@ -49,9 +48,19 @@ TEST(Life, IsIdleAndDisarmedAfterInitWhateverItsMemoryHeld) {
     EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_receive(&client, buffer, 5, 5));
 }
 
+/* Uninitialized memory can look like a driving client, so init() cannot refuse it. */
+TEST(Safety, InitOfADrivingClientLeavesItToTheWatchdog) {
+    Armed bench;
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.3F, 0, second));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_init(&bench.client, sizeof bench.client, nullptr));
+    const std::size_t before = bench.sent.size();
+    bench.run(5 * second);
+    EXPECT_EQ(before, bench.sent.size()) << "nothing that was forgotten is sent";
+    EXPECT_EQ(0, bench.robot.target_linear);
+}
+
 TEST(Life, GoesFromIdleThroughAllStatesToReady) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     bench.delay_to_client = [] { return 1 * ms; };
     const std::vector<std::uint32_t> wanted{ROBUROC4_STATE_IDLE, ROBUROC4_STATE_CONNECTING,
                                             ROBUROC4_STATE_DISCOVERING, ROBUROC4_STATE_SUBSCRIBING,
@@ -65,8 +74,7 @@ TEST(Life, GoesFromIdleThroughAllStatesToReady) {
 }
 
 TEST(Life, ReportsEveryNewStateAndReadyOnlyWhenItIs) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     bench.delay_to_client = [] { return 1 * ms; };
     std::vector<std::uint32_t> told;
     const auto reaches = [&](std::uint32_t wanted) {
@@ -90,9 +98,9 @@ TEST(Life, ReportsEveryNewStateAndReadyOnlyWhenItIs) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_start(&bench.client, bench.client_us()));
     ASSERT_TRUE(reaches(ROBUROC4_STATE_READY));
     bench.run(100 * ms); /* a robot that is lost before its first status is read anew */
-    robot.powered = false;
+    bench.robot.powered = false;
     ASSERT_TRUE(reaches(ROBUROC4_STATE_LOST));
-    robot.powered = true;
+    bench.robot.powered = true;
     ASSERT_TRUE(reaches(ROBUROC4_STATE_READY));
     bench.run(second);
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
@@ -141,7 +149,7 @@ TEST(Life, GuessesNoServiceAfterASecondWithoutItsText) {
         bench.run_to(start_us + second);
         EXPECT_EQ(5U, robot.seen(ROBUROC4_ACTION_GET).size());
         EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
-        EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
+        EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN,
                   roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_BATTERY));
     }
 }
@@ -150,16 +158,13 @@ TEST(Life, SubscribesWithTheConfiguredPeriods) {
     roburoc4_config config = default_config();
     config.period_ms[ROBUROC4_SERVICE_TELEMETER] = 2550;
     config.subscriptions = 0x7C & ~(1U << ROBUROC4_SERVICE_LOCALIZATION);
-    ScriptedRobot robot;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(config);
     const std::map<std::uint16_t, std::uint8_t> wanted{{2, 5}, {3, 255}, {4, 100}, {6, 5}};
-    EXPECT_EQ(wanted, robot.subscriptions);
+    EXPECT_EQ(wanted, bench.robot.subscriptions);
 }
 
 TEST(Life, StartIsRefusedUnlessIdleAndCloseUnlessStarted) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     EXPECT_EQ(ROBUROC4_ERR_STATE, bench.close());
     EXPECT_EQ(ROBUROC4_ERR_STATE, bench.pause());
     bench.start();
@@ -173,8 +178,7 @@ TEST(Life, StartIsRefusedUnlessIdleAndCloseUnlessStarted) {
 TEST(Life, KeepsAskingARobotThatIsNotThere) {
     ScriptedRobot robot;
     robot.powered = false;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     bench.run(60 * second);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CONNECTING), bench.state());
     EXPECT_GT(bench.sent.size(), 55U);
@@ -185,13 +189,11 @@ TEST(Life, KeepsAskingARobotThatIsNotThere) {
 }
 
 TEST(Life, IsLostAfterTheConfiguredSilenceAndReturnsByItself) {
-    ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.lost_ms = 400;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(config);
     const std::uint64_t last_us = bench.now_us - bench.link().silence_us;
-    robot.powered = false;
+    bench.robot.powered = false;
     bench.run_to(last_us + 400 * ms - 1);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
     bench.run_to(last_us + 400 * ms);
@@ -201,7 +203,7 @@ TEST(Life, IsLostAfterTheConfiguredSilenceAndReturnsByItself) {
     bench.run(10 * second);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_LOST), bench.state());
     EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_LOST)) << "lost once";
-    robot.powered = true;
+    bench.robot.powered = true;
     EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 3 * second));
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS)) << "the same robot, its clock went on";
 }
@@ -209,8 +211,7 @@ TEST(Life, IsLostAfterTheConfiguredSilenceAndReturnsByItself) {
 TEST(Life, ConnectsAgainAfterFiveSecondsOfSilenceBeforeItWasReady) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_BATTERY).get_silent = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_DISCOVERING));
     bench.run(100 * ms);
     const std::uint64_t last_us = bench.now_us - bench.link().silence_us;
@@ -223,9 +224,7 @@ TEST(Life, ConnectsAgainAfterFiveSecondsOfSilenceBeforeItWasReady) {
 }
 
 TEST(Life, WhileItStaysReadyItReportsOnlyStatuses) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    ASSERT_NO_FATAL_FAILURE(bench.ready());
+    Ready bench;
     bench.run(10 * second); /* every probe */
     const std::uint32_t news = ROBUROC4_EVENT_STATE | ROBUROC4_EVENT_READY |
                                ROBUROC4_EVENT_PROPERTIES | ROBUROC4_EVENT_CAPACITY;
@@ -233,16 +232,14 @@ TEST(Life, WhileItStaysReadyItReportsOnlyStatuses) {
 }
 
 TEST(Life, IsNeverLostBeforeThreeOfTheShortestPeriod) {
-    ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.lost_ms = 200;
     config.subscriptions = 1U << ROBUROC4_SERVICE_TELEMETER;
     config.period_ms[ROBUROC4_SERVICE_TELEMETER] = 600;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(config);
     bench.run(20 * second);
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
-    robot.powered = false;
+    bench.robot.powered = false;
     bench.run(1700 * ms);
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
     bench.run(200 * ms);
@@ -254,17 +251,15 @@ TEST(Life, WhicheverPeriodIsTheShortestCounts) {
         const std::uint32_t service = 2 + i % 5;
         const std::uint32_t lost_ms = std::array{200U, 250U, 299U, 301U, 350U, 450U}[i / 5];
         SCOPED_TRACE(testing::Message() << "service " << service << ", " << lost_ms << " ms");
-        ScriptedRobot robot;
         roburoc4_config config = default_config();
         config.lost_ms = lost_ms;
         config.fresh_ms = 1000;
         for (std::uint32_t other = 2; other < ROBUROC4_SERVICE_COUNT; other++)
             config.period_ms[other] = other == service ? 100 : 330;
-        Bench bench(robot, config);
-        bench.ready();
+        Ready bench(config);
         const std::uint64_t lost_us =
             bench.now_us - bench.link().silence_us + std::max(lost_ms, 300U) * ms;
-        robot.powered = false;
+        bench.robot.powered = false;
         bench.run_to(lost_us - 1);
         EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
         bench.run_to(lost_us);
@@ -285,23 +280,20 @@ TEST(Life, APeriodThatIsRefusedOrNotListedShortensNothing) {
         config.fresh_ms = 1000;
         for (std::uint32_t service = 2; service < ROBUROC4_SERVICE_COUNT; service++)
             config.period_ms[service] = service == ROBUROC4_SERVICE_TELEMETER ? 50 : 330;
-        Bench bench(robot, config);
-        bench.ready();
+        Ready bench(robot, config);
         bench.run(10 * second);
         EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST)) << "three of 330 ms";
     }
 }
 
 TEST(Life, AClientWithoutSubscriptionsStaysReady) {
-    ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.subscriptions = 0;
-    Bench bench(robot, config);
-    bench.start();
+    Started bench(config);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     bench.run(30 * second);
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
-    EXPECT_TRUE(robot.subscriptions.empty());
+    EXPECT_TRUE(bench.robot.subscriptions.empty());
 }
 
 /* ---- what may be missing ---- */
@@ -348,8 +340,7 @@ TEST(ReadyWithout, KnowingAService) {
 TEST(ReadyWithout, ARefusedSubscription) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_TELEMETER).insert_refused = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 1 * second));
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
     EXPECT_EQ(0U, bench.service_link(ROBUROC4_SERVICE_TELEMETER).subscribed);
@@ -365,8 +356,7 @@ TEST(ReadyWithout, AnAnswerToASubscription) {
 TEST(ReadyWithout, TheStatusesOfAService) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_TELEMETER).mute = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     bench.run(10 * second);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
     const auto again = robot.seen(ROBUROC4_ACTION_INSERT, ROBUROC4_SERVICE_TELEMETER).size();
@@ -399,8 +389,7 @@ TEST(ReadyWithout, PropertiesThatAreRefusedOrShort) {
 TEST(ReadyWithout, AnyService) {
     ScriptedRobot robot;
     robot.services.clear();
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 1 * second));
     bench.run(10 * second);
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
@@ -411,8 +400,7 @@ TEST(ReadyWithout, AnyService) {
 TEST(Ready, StatusesBeforeTheAcknowledgementAreAccepted) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_BATTERY).insert_silent = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until(
         [&] { return !robot.seen(ROBUROC4_ACTION_INSERT, ROBUROC4_SERVICE_BATTERY).empty(); }));
     EXPECT_EQ(0, bench.receive(robot.status(ROBUROC4_SERVICE_BATTERY)));
@@ -451,24 +439,21 @@ TEST(Ready, AServiceThatFallsSilentIsSubscribedToAgain) {
 }
 
 TEST(Ready, DescriptionsAreStillFetchedAfterIt) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     bench.delay_to_client = [] { return 1 * ms; };
     bench.start();
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     EXPECT_EQ(0, bench.facts().descriptions_done);
     ASSERT_TRUE(bench.run_until([&] { return bench.facts().descriptions_done == 1; }, second));
-    EXPECT_EQ(7U + 9U + 22U + 8U, robot.seen(ROBUROC4_ACTION_QUERY).size());
+    EXPECT_EQ(7U + 9U + 22U + 8U, bench.robot.seen(ROBUROC4_ACTION_QUERY).size());
 }
 
 TEST(Ready, PropertiesAreReadBeforeSubscriptions) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     std::size_t last_get = 0;
-    std::size_t first_insert = robot.requests.size();
-    for (std::size_t i = 0; i < robot.requests.size(); i++) {
-        const roburoc4_request &r = robot.requests[i].what;
+    std::size_t first_insert = bench.robot.requests.size();
+    for (std::size_t i = 0; i < bench.robot.requests.size(); i++) {
+        const roburoc4_request &r = bench.robot.requests[i].what;
         if (r.action == ROBUROC4_ACTION_INSERT)
             first_insert = std::min(first_insert, i);
         if (r.action == ROBUROC4_ACTION_GET && r.service == 6 && i < first_insert)
@@ -481,10 +466,8 @@ TEST(Ready, PropertiesAreReadBeforeSubscriptions) {
 /* ---- another directory ---- */
 
 TEST(Directory, AnotherOneIsNoticedAndDiscovered) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
-    robot.service(ROBUROC4_SERVICE_BATTERY).id = 44;
+    Armed bench;
+    bench.robot.service(ROBUROC4_SERVICE_BATTERY).id = 44;
     ASSERT_TRUE(bench.run_until(
         [&] { return roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_BATTERY) == 44; },
         10 * second));
@@ -496,8 +479,7 @@ TEST(Directory, AnotherOneIsNoticedAndDiscovered) {
 TEST(Directory, IsAPropertyWhoseChangeIsAnEvent) {
     ScriptedRobot robot;
     robot.services.resize(2); /* itself and notification, which have no others */
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 1 * second));
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES);
     EXPECT_EQ(2U, service_count(&bench.client));
@@ -510,40 +492,35 @@ TEST(Directory, IsAPropertyWhoseChangeIsAnEvent) {
 }
 
 TEST(Directory, WithFewerEntriesIsAnotherOne) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
-    robot.services.pop_back();
+    Ready bench;
+    bench.robot.services.pop_back();
     ASSERT_TRUE(bench.run_until([&] { return service_count(&bench.client) == 6; }, 10 * second));
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN,
               roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_DIFFERENTIAL));
 }
 
 TEST(Directory, WithAnotherTypeIsAnotherOne) {
     for (std::size_t i = 0; i < usual_services().size(); i++) {
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
-        robot.services[i].type = ROBUROC4_TYPE_LASER;
+        Armed bench;
+        bench.robot.services[i].type = ROBUROC4_TYPE_LASER;
         EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 10 * second)) << i;
     }
 }
 
 TEST(Directory, ARemovedIoCardIsNotRequested) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     bench.delay_to_client = [] { return 1 * ms; };
     bench.ready();
-    robot.remove(ROBUROC4_SERVICE_IOCARD);
+    bench.robot.remove(ROBUROC4_SERVICE_IOCARD);
     ASSERT_TRUE(bench.run_until(
         [&] { return roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_IOCARD) < 0; },
         10 * second));
-    robot.requests.clear();
+    bench.robot.requests.clear();
     bench.run(10 * second);
-    for (const auto &r : robot.seen(ROBUROC4_ACTION_QUERY, 0))
+    for (const auto &r : bench.robot.seen(ROBUROC4_ACTION_QUERY, 0))
         EXPECT_LT(r.what.index, 6) << "a question about a channel went to the directory";
     EXPECT_EQ(1, bench.facts().descriptions_done);
     EXPECT_EQ(0, bench.facts().override_known);
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN,
               roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
 }

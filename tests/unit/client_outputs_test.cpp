@@ -70,17 +70,14 @@ TEST(Outputs, AndPosesAreRefusedWheneverTheClientIsNotReady) {
 TEST(Outputs, AreUnknownWithoutTheCardsProperties) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_IOCARD).get_refused = true;
-    Bench bench(robot);
-    bench.ready();
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, set_one(bench, 1, 1));
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, set_many(bench, 2, 2));
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, set_volts(bench, 0, 1));
+    Ready bench(robot);
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, set_one(bench, 1, 1));
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, set_many(bench, 2, 2));
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, set_volts(bench, 0, 1));
 }
 
 TEST(Outputs, RefuseWhatTheRobotDoesNotHave) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     EXPECT_EQ(ROBUROC4_ERR_RESERVED, set_one(bench, 0, 1));
     EXPECT_EQ(ROBUROC4_ERR_RESERVED, set_many(bench, 0xFF, 0));
     EXPECT_EQ(ROBUROC4_ERR_INDEX, set_one(bench, 8, 1));
@@ -88,7 +85,7 @@ TEST(Outputs, RefuseWhatTheRobotDoesNotHave) {
     EXPECT_EQ(ROBUROC4_ERR_INDEX, set_many(bench, 0x102, 0)) << "all or none";
     EXPECT_EQ(ROBUROC4_ERR_INDEX, set_volts(bench, 0, 1)) << "it has no analog outputs";
     bench.run(second);
-    EXPECT_TRUE(robot.output_commands.empty());
+    EXPECT_TRUE(bench.robot.output_commands.empty());
 }
 
 TEST(Outputs, BeyondTheLastAreRefusedWhateverTheCardHas) {
@@ -97,8 +94,7 @@ TEST(Outputs, BeyondTheLastAreRefusedWhateverTheCardHas) {
         ScriptedRobot robot;
         robot.iocard.analog_outputs = std::min(count, 4);
         robot.iocard.digital_outputs = count;
-        Bench bench(robot);
-        bench.ready();
+        Ready bench(robot);
         const auto beyond = static_cast<std::uint32_t>(count);
         for (const std::uint32_t index : {beyond, beyond + 1, beyond + 2, 63U, 64U, UINT32_MAX}) {
             if (index >= 4 || count < 4) {
@@ -116,37 +112,32 @@ TEST(Outputs, BeyondTheLastAreRefusedWhateverTheCardHas) {
 }
 
 TEST(Outputs, AreSentAtOnceAndTwiceMore) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     const std::uint64_t start_us = bench.now_us;
     ASSERT_EQ(ROBUROC4_OK, set_one(bench, 3, 1));
     bench.run(2 * second);
-    ASSERT_EQ(3U, robot.output_commands.size());
-    EXPECT_EQ(start_us, robot.output_commands[0].first);
-    for (const auto &[at_us, bytes] : robot.output_commands)
+    ASSERT_EQ(3U, bench.robot.output_commands.size());
+    EXPECT_EQ(start_us, bench.robot.output_commands[0].first);
+    for (const auto &[at_us, bytes] : bench.robot.output_commands)
         EXPECT_EQ(from_hex("FF 02 00 08"), bytes);
-    EXPECT_EQ(start_us + 50 * ms, robot.output_commands[1].first);
-    EXPECT_EQ(start_us + 100 * ms, robot.output_commands[2].first);
+    EXPECT_EQ(start_us + 50 * ms, bench.robot.output_commands[1].first);
+    EXPECT_EQ(start_us + 100 * ms, bench.robot.output_commands[2].first);
 }
 
 TEST(Outputs, ThatChangeWhileTheyAreRepeatedAreSentAnewThreeTimes) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     ASSERT_EQ(ROBUROC4_OK, set_one(bench, 3, 1));
     bench.run(70 * ms); /* sent twice */
-    robot.output_commands.clear();
+    bench.robot.output_commands.clear();
     ASSERT_EQ(ROBUROC4_OK, set_one(bench, 4, 1));
     bench.run(2 * second);
-    EXPECT_EQ(3U, robot.output_commands.size());
+    EXPECT_EQ(3U, bench.robot.output_commands.size());
 }
 
 TEST(Outputs, AreSentToTheMicrosecondWhenPolledOnlyAtDeadlines) {
     ScriptedRobot robot;
     robot.iocard.analog_outputs = 1;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     bench.run(3700); /* so that neither a status nor a question falls on it */
     for (const bool analog : {false, true}) {
         robot.output_commands.clear();
@@ -161,21 +152,19 @@ TEST(Outputs, AreSentToTheMicrosecondWhenPolledOnlyAtDeadlines) {
 }
 
 TEST(Outputs, AreAlsoSentAtOnceAtTimeZero) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     bench.skew_us = -static_cast<std::int64_t>(bench.now_us);
     bench.start();
     ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
     ASSERT_EQ(ROBUROC4_OK, set_one(bench, 3, 1));
     bench.pump();
-    EXPECT_EQ(1U, robot.output_commands.size());
+    EXPECT_EQ(1U, bench.robot.output_commands.size());
 }
 
 TEST(Outputs, AreLeftAloneByAPose) {
     ScriptedRobot robot;
     robot.iocard.analog_outputs = 2;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     ASSERT_EQ(ROBUROC4_OK, set_volts(bench, 0, 2.5F));
     ASSERT_EQ(ROBUROC4_OK, set_volts(bench, 1, 2.5F));
     ASSERT_EQ(ROBUROC4_OK, set_one(bench, 3, 1));
@@ -186,29 +175,25 @@ TEST(Outputs, AreLeftAloneByAPose) {
 }
 
 TEST(Outputs, AreKeptOverALossOfTheSameRobot) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    ASSERT_NO_FATAL_FAILURE(bench.ready());
+    Ready bench;
     ASSERT_EQ(ROBUROC4_OK, set_one(bench, 3, 1));
     bench.run(second);
-    robot.powered = false;
+    bench.robot.powered = false;
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
-    robot.powered = true;
+    bench.robot.powered = true;
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     EXPECT_EQ(ROBUROC4_ERR_NOT_READY, set_one(bench, 1, 1)) << "it may be another robot";
     bench.run(100 * ms);
     ASSERT_EQ(ROBUROC4_OK, set_one(bench, 1, 1));
     bench.run(second);
-    EXPECT_EQ(from_hex("FF 02 00 0A"), robot.output_commands.back().second);
+    EXPECT_EQ(from_hex("FF 02 00 0A"), bench.robot.output_commands.back().second);
 }
 
 TEST(Outputs, AreNotRepeatedToARobotThatIsLost) {
-    ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.lost_ms = 200;
-    Bench bench(robot, config);
-    ASSERT_NO_FATAL_FAILURE(bench.ready());
-    robot.powered = false;
+    Ready bench(config);
+    bench.robot.powered = false;
     bench.run_to(bench.now_us - bench.link().silence_us + 180 * ms);
     ASSERT_EQ(ROBUROC4_OK, set_one(bench, 1, 1));
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
@@ -219,20 +204,18 @@ TEST(Outputs, AreNotRepeatedToARobotThatIsLost) {
 }
 
 TEST(Outputs, AreNotRepeatedToACardThatTurnsOutToBeAnother) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    ASSERT_NO_FATAL_FAILURE(bench.ready());
+    Ready bench;
     const auto asked = [&] {
-        return robot.seen(ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_IOCARD).size();
+        return bench.robot.seen(ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_IOCARD).size();
     };
     bench.delay_to_client = [] { return 20 * ms; };
-    robot.iocard.digital_inputs++;
+    bench.robot.iocard.digital_inputs++;
     const std::size_t before = asked();
     ASSERT_TRUE(bench.run_until([&] { return asked() > before; })) << "by the probe";
     ASSERT_EQ(ROBUROC4_OK,
               roburoc4_client_set_digital_outputs(&bench.client, 2, 2, bench.client_us()));
     bench.run(500 * ms);
-    EXPECT_EQ(1U, robot.output_commands.size());
+    EXPECT_EQ(1U, bench.robot.output_commands.size());
 }
 
 TEST(Outputs, FromBeforeARebootOrOfAnotherCardAreForgotten) {
@@ -240,8 +223,7 @@ TEST(Outputs, FromBeforeARebootOrOfAnotherCardAreForgotten) {
         SCOPED_TRACE(reboot);
         ScriptedRobot robot;
         robot.iocard.analog_outputs = 2;
-        Bench bench(robot);
-        ASSERT_NO_FATAL_FAILURE(bench.ready());
+        Ready bench(robot);
         ASSERT_EQ(ROBUROC4_OK, set_volts(bench, 1, 2.5F));
         ASSERT_EQ(ROBUROC4_OK, set_one(bench, 3, 1));
         bench.run(second);
@@ -260,27 +242,24 @@ TEST(Outputs, FromBeforeARebootOrOfAnotherCardAreForgotten) {
 }
 
 TEST(Outputs, AreNotRepeatedWhileAnotherDirectoryIsDiscovered) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    ASSERT_NO_FATAL_FAILURE(bench.ready());
-    const auto asked = [&] { return robot.seen(ROBUROC4_ACTION_GET, 0).size(); };
+    Ready bench;
+    const auto asked = [&] { return bench.robot.seen(ROBUROC4_ACTION_GET, 0).size(); };
     bench.delay_to_client = [] { return 20 * ms; };
-    robot.texts_silent = true; /* so that it takes its time */
-    robot.services.push_back({0x1234, 77, 99, "Coffee machine"});
+    bench.robot.texts_silent = true; /* so that it takes its time */
+    bench.robot.services.push_back({0x1234, 77, 99, "Coffee machine"});
     const std::size_t before = asked();
     ASSERT_TRUE(bench.run_until([&] { return asked() > before; })) << "by the probe";
     ASSERT_EQ(ROBUROC4_OK, set_one(bench, 1, 1));
     bench.run(500 * ms);
     ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_DISCOVERING), bench.state());
-    EXPECT_EQ(1U, robot.output_commands.size()) << "which id has the card now?";
+    EXPECT_EQ(1U, bench.robot.output_commands.size()) << "which id has the card now?";
 }
 
 TEST(Outputs, ThatWereNeverSetAreZeroAndTheOthersAreKept) {
     ScriptedRobot robot;
     robot.iocard.analog_outputs = 3;
     robot.iocard.digital_outputs = 12;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     const auto last = [&] {
         bench.pump();
         return robot.output_commands.back().second;
@@ -305,8 +284,7 @@ TEST(Outputs, OfTheLargestCardFitTheLongestDatagram) {
     ScriptedRobot robot;
     robot.iocard.analog_outputs = 4;
     robot.iocard.digital_outputs = 64;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     bench.run(3 * second);
     ASSERT_EQ(ROBUROC4_OK, set_volts(bench, 3, 1));
     ASSERT_EQ(ROBUROC4_OK, set_one(bench, 63, 1));
@@ -325,8 +303,7 @@ TEST(Relocalize, IsRepeatedOnlyWhileTheRobotIsAtRest) {
         SCOPED_TRACE(way);
         ScriptedRobot robot;
         robot.replace_silent = true;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench(robot);
         robot.follows = way < ROLLS;
         const auto roll = [&] { robot.current_angular = 0.1F; };
         if (way == DRIVEN_BEFORE)
@@ -348,7 +325,7 @@ TEST(Relocalize, IsRepeatedOnlyWhileTheRobotIsAtRest) {
         bench.pump();
         ASSERT_EQ(1U, robot.seen(ROBUROC4_ACTION_REPLACE).size()) << "at once";
         EXPECT_EQ(call_us, robot.seen(ROBUROC4_ACTION_REPLACE)[0].at_us);
-        EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+        EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, bench.facts().relocalize_result);
         if (way == DRIVEN_AFTER) {
             ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
         }
@@ -358,7 +335,7 @@ TEST(Relocalize, IsRepeatedOnlyWhileTheRobotIsAtRest) {
         const std::size_t tries = robot.seen(ROBUROC4_ACTION_REPLACE).size();
         if (way == AT_REST) {
             EXPECT_GE(tries, 3U);
-            EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+            EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, bench.facts().relocalize_result);
             continue;
         }
         EXPECT_LE(tries, way == ROLLS_LATER ? 2U : 1U) << "a status comes before it is noticed";
@@ -371,37 +348,53 @@ TEST(Relocalize, IsRepeatedOnlyWhileTheRobotIsAtRest) {
         }
         EXPECT_EQ(ROBUROC4_ERR_MOVING, bench.facts().relocalize_result);
         EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_RELOCALIZE_FAILED);
+        bench.run(2 * second);
+        EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_RELOCALIZE_FAILED) << "once";
     }
 }
 
 TEST(Relocalize, ThatIsAnsweredAtOnceHoldsInMotionToo) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     bench.delay_to_client = [] { return 10 * ms; };
     bench.driving(0.5F, 0, 200 * ms);
     ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
     bench.driving(0.5F, 0, 200 * ms);
     EXPECT_EQ(ROBUROC4_OK, bench.facts().relocalize_result);
-    EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_REPLACE).size());
+    EXPECT_EQ(1U, bench.robot.seen(ROBUROC4_ACTION_REPLACE).size());
+}
+
+TEST(Relocalize, ThatOnlyTheSecondTryBringsDoesNotHoldInMotion) {
+    for (const std::size_t tries : {1U, 2U}) {
+        ScriptedRobot robot;
+        std::vector<Bytes> answers;
+        robot.instead = [&answers](const roburoc4_request &r, std::vector<Bytes> &) {
+            if (r.action == ROBUROC4_ACTION_REPLACE)
+                answers.push_back(plain_answer(r.id, r.action, r.service, 0));
+            return r.action == ROBUROC4_ACTION_REPLACE;
+        };
+        Armed bench(robot);
+        ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+        ASSERT_TRUE(bench.run_until([&] { return answers.size() == tries; }, 200 * ms));
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
+        bench.receive(answers.back());
+        EXPECT_EQ(tries == 1 ? ROBUROC4_OK : ROBUROC4_ERR_MOVING, bench.facts().relocalize_result);
+    }
 }
 
 TEST(Relocalize, AnAnswerToThePoseBeforeIsNoneToTheNext) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
-    robot.replace_silent = true;
+    Ready bench;
+    bench.robot.replace_silent = true;
     ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
     bench.pump();
     ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 4, 5, 6));
     bench.pump();
-    const auto sent = robot.seen(ROBUROC4_ACTION_REPLACE);
+    const auto sent = bench.robot.seen(ROBUROC4_ACTION_REPLACE);
     ASSERT_EQ(2U, sent.size()) << "each at once";
     EXPECT_EQ(4, sent[1].what.x_m);
     EXPECT_EQ(ROBUROC4_ERR_UNMATCHED,
               bench.receive(
                   plain_answer(sent[0].what.id, ROBUROC4_ACTION_REPLACE, sent[0].what.service, 0)));
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, bench.facts().relocalize_result);
 }
 
 TEST(Relocalize, ThatIsTakenLateFailsUnlessTheRobotHasRested) {
@@ -416,8 +409,7 @@ TEST(Relocalize, ThatIsTakenLateFailsUnlessTheRobotHasRested) {
                 late.push_back(plain_answer(r.id, r.action, r.service, 0));
             return r.action == ROBUROC4_ACTION_REPLACE;
         };
-        Bench bench(robot);
-        bench.ready();
+        Ready bench(robot);
         if (way == MOVES || way == NOT_KNOWN) {
             robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
             bench.run(350 * ms);
@@ -451,15 +443,13 @@ TEST(Relocalize, ThatIsTakenLateFailsUnlessTheRobotHasRested) {
 TEST(Relocalize, ThatWaitsWhenThisClockGoesBackIsSentOnlyAtRest) {
     for (const float speed : {0.5F, 0.0F}) {
         SCOPED_TRACE(speed);
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench;
         bench.driving(speed, 0, 200 * ms);
         ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
         bench.now_us += 600 * ms; /* nobody polls */
         bench.skew_us -= static_cast<std::int64_t>(100 * second);
         bench.run(2 * second);
-        EXPECT_EQ(0U, robot.seen(ROBUROC4_ACTION_REPLACE).size());
+        EXPECT_EQ(0U, bench.robot.seen(ROBUROC4_ACTION_REPLACE).size());
         EXPECT_EQ(speed > 0 ? ROBUROC4_ERR_MOVING : ROBUROC4_ERR_TIMEOUT,
                   bench.facts().relocalize_result);
     }
@@ -467,43 +457,38 @@ TEST(Relocalize, ThatWaitsWhenThisClockGoesBackIsSentOnlyAtRest) {
 
 /** Unseen, the robot may have moved and come to rest again. */
 TEST(Relocalize, ThatWaitsWhileNothingIsHeardIsNotSent) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
-    robot.requests.clear();
+    Armed bench;
+    bench.robot.requests.clear();
     ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
     bench.now_us += 600 * ms; /* nobody polls */
-    EXPECT_EQ(0,
-              bench.receive(robot.status_at(ROBUROC4_SERVICE_DIFFERENTIAL, robot.cycles() + 60)));
+    EXPECT_EQ(0, bench.receive(bench.robot.status_at(ROBUROC4_SERVICE_DIFFERENTIAL,
+                                                     bench.robot.cycles() + 60)));
     bench.run(3 * second);
-    EXPECT_EQ(0U, robot.seen(ROBUROC4_ACTION_REPLACE).size());
+    EXPECT_EQ(0U, bench.robot.seen(ROBUROC4_ACTION_REPLACE).size());
     EXPECT_EQ(ROBUROC4_ERR_TIMEOUT, bench.facts().relocalize_result);
 }
 
 TEST(Relocalize, IsAnsweredWithAnEvent) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+    Ready bench;
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, bench.facts().relocalize_result);
     ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1.5, -2.5, 0.75));
     bench.run(10 * ms);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_RELOCALIZED);
     EXPECT_EQ(ROBUROC4_OK, bench.facts().relocalize_result);
-    const auto sent = robot.seen(ROBUROC4_ACTION_REPLACE);
+    const auto sent = bench.robot.seen(ROBUROC4_ACTION_REPLACE);
     ASSERT_EQ(1U, sent.size());
     EXPECT_EQ(5, sent[0].what.service);
     EXPECT_EQ(1.5, sent[0].what.x_m);
     EXPECT_EQ(-2.5, sent[0].what.y_m);
     EXPECT_EQ(0.75, sent[0].what.theta_rad);
     EXPECT_GE(sent[0].what.timestamp, 1000U) << "the last known count";
-    EXPECT_LE(sent[0].what.timestamp, robot.cycles());
+    EXPECT_LE(sent[0].what.timestamp, bench.robot.cycles());
 }
 
 TEST(Relocalize, ThatIsRefusedIsAnEvent) {
     ScriptedRobot robot;
     robot.replace_refused = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
     bench.run(10 * ms);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_RELOCALIZE_FAILED);
@@ -513,8 +498,7 @@ TEST(Relocalize, ThatIsRefusedIsAnEvent) {
 TEST(Relocalize, ThatIsNotAnsweredEndsAfterTwoSeconds) {
     ScriptedRobot robot;
     robot.replace_silent = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
     bench.run(2 * second - 1);
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_RELOCALIZE_FAILED);
@@ -540,7 +524,7 @@ TEST(Relocalize, EndsAfterTwoSecondsFromAnyTimeOn) {
         bench.run(since_us);
         ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
         bench.run(2 * second - 1);
-        EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+        EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, bench.facts().relocalize_result);
         bench.run(1);
         EXPECT_EQ(ROBUROC4_ERR_TIMEOUT, bench.facts().relocalize_result);
     }
@@ -549,8 +533,7 @@ TEST(Relocalize, EndsAfterTwoSecondsFromAnyTimeOn) {
 TEST(Relocalize, EndsToTheMicrosecondWhenPolledOnlyAtDeadlines) {
     ScriptedRobot robot;
     robot.replace_silent = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     bench.run(3700); /* so that neither a status nor a question falls on its end */
     const std::uint64_t since_us = bench.now_us;
     ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
@@ -562,8 +545,7 @@ TEST(Relocalize, EndsToTheMicrosecondWhenPolledOnlyAtDeadlines) {
 TEST(Relocalize, LaterOneReplacesAnOpenOne) {
     ScriptedRobot robot;
     robot.replace_silent = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
     bench.run(250 * ms);
     robot.replace_silent = false;
@@ -577,17 +559,15 @@ TEST(Relocalize, LaterOneReplacesAnOpenOne) {
 }
 
 TEST(Relocalize, HasNoResultWhileItIsOpen) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
     bench.run(10 * ms);
     ASSERT_EQ(ROBUROC4_OK, bench.facts().relocalize_result);
-    robot.replace_silent = true;
+    bench.robot.replace_silent = true;
     ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 4, 5, 6));
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result) << "that was of another";
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, bench.facts().relocalize_result) << "that was of another";
     bench.run(2 * second - 1);
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, bench.facts().relocalize_result);
 }
 
 TEST(Relocalize, IsRefusedIfItIsImpossible) {
@@ -596,7 +576,7 @@ TEST(Relocalize, IsRefusedIfItIsImpossible) {
     Bench bench(robot);
     EXPECT_EQ(ROBUROC4_ERR_NOT_READY, relocalize(bench, 1, 2, 3));
     bench.ready();
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, relocalize(bench, 1, 2, 3));
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, relocalize(bench, 1, 2, 3));
     for (const double bad :
          {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()}) {
         EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, relocalize(bench, bad, 0, 0));
@@ -605,27 +585,23 @@ TEST(Relocalize, IsRefusedIfItIsImpossible) {
     }
     for (const double degrees : {90.0, -45.0})
         EXPECT_EQ(ROBUROC4_ERR_UNITS, relocalize(bench, 0, 0, degrees));
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, relocalize(bench, 0, 0, -12.5)) << "two turns";
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, relocalize(bench, 0, 0, -12.5)) << "two turns";
 }
 
 TEST(Relocalize, SendsOneAsTimestampIfNoCountIsKnown) {
-    ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.subscriptions = 0;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(config);
     ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
     bench.pump();
-    EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_REPLACE).at(0).what.timestamp);
+    EXPECT_EQ(1U, bench.robot.seen(ROBUROC4_ACTION_REPLACE).at(0).what.timestamp);
 }
 
 TEST(Relocalize, ThatALossInterruptsEndsInAnEvent) {
-    ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.lost_ms = 300;
-    Bench bench(robot, config);
-    bench.ready();
-    robot.powered = false;
+    Ready bench(config);
+    bench.robot.powered = false;
     ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
     bench.run(5 * second);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_RELOCALIZE_FAILED);
@@ -639,8 +615,7 @@ TEST(Relocalize, EndsWithTheRobotThatItWasMeantFor) {
         robot.replace_silent = true;
         roburoc4_config config = default_config();
         config.lost_ms = 200;
-        Bench bench(robot, config);
-        bench.ready();
+        Ready bench(robot, config);
         const auto asked = [&] { return robot.seen(ROBUROC4_ACTION_GET, 0).size(); };
         const std::size_t before = asked();
         if (way == 2) { /* another directory, found by the next probe */
@@ -650,7 +625,7 @@ TEST(Relocalize, EndsWithTheRobotThatItWasMeantFor) {
         }
         ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
         bench.run(10 * ms);
-        ASSERT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+        ASSERT_EQ(ROBUROC4_ERR_NOT_KNOWN, bench.facts().relocalize_result);
         if (way == 0) {
             robot.powered = false;
             ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST, 250 * ms));
@@ -673,21 +648,17 @@ TEST(Relocalize, EndsWithTheRobotThatItWasMeantFor) {
 /* ---- subscriptions ---- */
 
 TEST(Subscribe, ChangesThePeriodAtRunTime) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     ASSERT_EQ(ROBUROC4_OK, subscribe(bench, ROBUROC4_SERVICE_BATTERY, 2550));
     ASSERT_EQ(ROBUROC4_OK, subscribe(bench, ROBUROC4_SERVICE_DIFFERENTIAL, 10));
     bench.pump();
-    EXPECT_EQ(255, robot.subscriptions[4]);
-    EXPECT_EQ(1, robot.subscriptions[6]);
+    EXPECT_EQ(255, bench.robot.subscriptions[4]);
+    EXPECT_EQ(1, bench.robot.subscriptions[6]);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
 }
 
 TEST(Subscribe, RefusesInvalidPeriodsAndServices) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     for (const std::uint32_t period : {1U, 5U, 15U, 2560U, UINT32_MAX})
         EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, subscribe(bench, 6, period));
     for (const std::uint32_t service : {0U, 1U, 7U, UINT32_MAX}) {
@@ -697,15 +668,13 @@ TEST(Subscribe, RefusesInvalidPeriodsAndServices) {
 }
 
 TEST(Subscribe, AsksForTheNewPeriodWhileStatusesOfTheOldOneCome) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
-    robot.service(ROBUROC4_SERVICE_LOCALIZATION).insert_silent = true;
+    Ready bench;
+    bench.robot.service(ROBUROC4_SERVICE_LOCALIZATION).insert_silent = true;
     ASSERT_EQ(ROBUROC4_OK, subscribe(bench, ROBUROC4_SERVICE_LOCALIZATION, 100));
     bench.run(5 * second); /* it is given up */
-    robot.service(ROBUROC4_SERVICE_LOCALIZATION).insert_silent = false;
+    bench.robot.service(ROBUROC4_SERVICE_LOCALIZATION).insert_silent = false;
     bench.run(10 * second); /* and tried again later */
-    EXPECT_EQ(10, robot.subscriptions[5]);
+    EXPECT_EQ(10, bench.robot.subscriptions[5]);
     EXPECT_EQ(100000U, bench.service_link(ROBUROC4_SERVICE_LOCALIZATION).period_us);
     EXPECT_EQ(1U, bench.service_link(ROBUROC4_SERVICE_LOCALIZATION).subscribed);
 }
@@ -714,8 +683,7 @@ TEST(Subscribe, IsKeptOverALossAndANewStart) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.subscriptions = 0;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(robot, config);
     EXPECT_TRUE(robot.subscriptions.empty());
     ASSERT_EQ(ROBUROC4_OK, subscribe(bench, ROBUROC4_SERVICE_TELEMETER, 70));
     bench.pump();
@@ -734,30 +702,28 @@ TEST(Subscribe, IsKeptOverALossAndANewStart) {
 }
 
 TEST(Unsubscribe, EndsTheStatuses) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
     bench.pump();
-    EXPECT_EQ(0U, robot.subscriptions.count(3));
+    EXPECT_EQ(0U, bench.robot.subscriptions.count(3));
     EXPECT_EQ(0U, bench.service_link(ROBUROC4_SERVICE_TELEMETER).subscribed);
     bench.run(10 * second);
-    EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_DELETE).size());
-    EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_INSERT, 3).size());
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result) << "its answer is no other's";
+    EXPECT_EQ(1U, bench.robot.seen(ROBUROC4_ACTION_DELETE).size());
+    EXPECT_EQ(1U, bench.robot.seen(ROBUROC4_ACTION_INSERT, 3).size());
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, bench.facts().relocalize_result)
+        << "its answer is no other's";
 }
 
 TEST(Unsubscribe, SurvivesARefusalAndDropsWhatStillArrives) {
     ScriptedRobot robot;
     robot.delete_refused = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     roburoc4_distances before;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_distances(&bench.client, &before, nullptr));
     ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
     robot.distances = {0.1F, 0.1F};
     bench.run(2 * second);
-    EXPECT_GE(bench.count(ROBUROC4_COUNT_UNSUBSCRIBED), 19U);
+    EXPECT_GE(bench.count(ROBUROC4_COUNT_UNEXPECTED_STATUS), 19U);
     EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_DELETE).size());
     roburoc4_distances after;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_distances(&bench.client, &after, nullptr));
@@ -767,8 +733,7 @@ TEST(Unsubscribe, SurvivesARefusalAndDropsWhatStillArrives) {
 
 TEST(Unsubscribe, IsKeptOverALossAndANewStart) {
     ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
     bench.run(second);
     robot.powered = false;
@@ -788,8 +753,7 @@ TEST(Unsubscribe, IsKeptOverALossAndANewStart) {
 
 TEST(Unsubscribe, AlsoEndsASubscriptionThatIsStillRequested) {
     ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     robot.service(ROBUROC4_SERVICE_TELEMETER).insert_silent = true;
     ASSERT_EQ(ROBUROC4_OK, subscribe(bench, ROBUROC4_SERVICE_TELEMETER, 70));
     bench.run(150 * ms);
@@ -805,14 +769,12 @@ TEST(Unsubscribe, AlsoEndsASubscriptionThatIsStillRequested) {
 }
 
 TEST(Unsubscribe, TakesThePeriodOutOfTheSilenceThatIsALoss) {
-    ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.lost_ms = 200;
     config.subscriptions = 1U << ROBUROC4_SERVICE_TELEMETER | 1U << ROBUROC4_SERVICE_BATTERY;
     config.period_ms[ROBUROC4_SERVICE_TELEMETER] = 50;
     config.period_ms[ROBUROC4_SERVICE_BATTERY] = 600;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(config);
     ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
     bench.run(10 * second);
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST)) << "three of 600 ms";
@@ -820,32 +782,28 @@ TEST(Unsubscribe, TakesThePeriodOutOfTheSilenceThatIsALoss) {
 
 /* It may belong to another client: whether clients share subscriptions is unknown. */
 TEST(Unsubscribe, EndsNothingThatThisClientNeverSubscribedTo) {
-    ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.subscriptions &= ~(1U << ROBUROC4_SERVICE_TELEMETER);
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(config);
     EXPECT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
     bench.run(2 * second);
-    EXPECT_EQ(0U, robot.seen(ROBUROC4_ACTION_DELETE).size());
+    EXPECT_EQ(0U, bench.robot.seen(ROBUROC4_ACTION_DELETE).size());
     EXPECT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_BATTERY));
     bench.run(2 * second);
     EXPECT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_BATTERY)) << "once is enough";
     bench.run(2 * second);
-    EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_DELETE).size());
+    EXPECT_EQ(1U, bench.robot.seen(ROBUROC4_ACTION_DELETE).size());
 }
 
 TEST(Unsubscribe, ThenSubscribeRestartsTheStatuses) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
     bench.run(second);
     ASSERT_EQ(ROBUROC4_OK, subscribe(bench, ROBUROC4_SERVICE_TELEMETER, 50));
     bench.take_events();
     bench.run(second);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_TELEMETER);
-    EXPECT_EQ(5, robot.subscriptions[3]);
+    EXPECT_EQ(5, bench.robot.subscriptions[3]);
 }
 
 TEST(Subscribe, IsRequestedAtOnceWhateverWasRefusedBefore) {
@@ -854,8 +812,7 @@ TEST(Subscribe, IsRequestedAtOnceWhateverWasRefusedBefore) {
         ScriptedRobot robot;
         ScriptedService &telemeter = robot.service(ROBUROC4_SERVICE_TELEMETER);
         telemeter.insert_refused = way == 0;
-        Bench bench(robot);
-        bench.ready();
+        Ready bench(robot);
         telemeter.insert_refused = false;
         if (way == 1) { /* is requested with another period, so far without an answer */
             telemeter.insert_silent = true;
@@ -896,8 +853,7 @@ TEST(Outputs, NeverGoToAServiceThatTheRobotBeforeHadThere) {
             service.type = 0;
         roburoc4_config config = default_config();
         config.subscriptions = subscribed ? config.subscriptions : 0;
-        Bench bench(robot, config);
-        bench.ready();
+        Ready bench(robot, config);
         ASSERT_EQ(ROBUROC4_OK, set_digital_output(&bench.client, 3, 1, bench.client_us()));
         bench.run(second);
         robot.powered = false;

@@ -16,15 +16,13 @@ void swap_ids(ScriptedRobot &robot) {
 }
 
 TEST(Rediscovery, AcceptsNoPropertiesOfAnotherService) {
-    ScriptedRobot robot;
     std::vector<Bytes> kept;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     /* the answer of the old id 6 is held back until the new directory is known */
     bool hold = false;
-    robot.instead = [&](const roburoc4_request &request, std::vector<Bytes> &answers) {
+    bench.robot.instead = [&](const roburoc4_request &request, std::vector<Bytes> &answers) {
         if (hold && request.action == ROBUROC4_ACTION_GET && request.service == 6) {
-            roburoc4_differential_properties wrong = robot.differential;
+            roburoc4_differential_properties wrong = bench.robot.differential;
             wrong.service = 6;
             kept.push_back(encoded([&](std::uint8_t *b, std::size_t n) {
                 return roburoc4_encode_differential_properties(b, n, request.id, &wrong);
@@ -39,7 +37,7 @@ TEST(Rediscovery, AcceptsNoPropertiesOfAnotherService) {
         bench.run(10 * ms);
     ASSERT_FALSE(kept.empty()) << "the probe never asked the differential service";
     hold = false;
-    swap_ids(robot);
+    swap_ids(bench.robot);
     const std::size_t held = kept.size();
     for (int i = 0; i < 1500; i++) {
         for (std::size_t k = 0; k < held; k++)
@@ -65,19 +63,17 @@ TEST(Rediscovery, AcceptsNoPropertiesOfAnotherService) {
 }
 
 TEST(Rediscovery, AcceptsNoAnswerToAnEarlierRequest) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
-    robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
+    Ready bench;
+    bench.robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
         return (r.action == ROBUROC4_ACTION_GET && r.service == 6) ||
                r.action == ROBUROC4_ACTION_QUERY;
     };
-    const auto asked = [&] { return robot.seen(ROBUROC4_ACTION_GET, 6); };
+    const auto asked = [&] { return bench.robot.seen(ROBUROC4_ACTION_GET, 6); };
     const std::size_t before = asked().size();
     ASSERT_TRUE(bench.run_until([&] { return asked().size() > before; })) << "by the probe";
-    swap_ids(robot); /* which the next probe finds */
+    swap_ids(bench.robot); /* which the next probe finds */
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_DISCOVERING, 1200 * ms));
-    roburoc4_differential_properties wrong = robot.differential;
+    roburoc4_differential_properties wrong = bench.robot.differential;
     wrong.service = 6;
     const Bytes late = encoded([&](std::uint8_t *b, std::size_t n) {
         return roburoc4_encode_differential_properties(b, n, asked().back().what.id, &wrong);
@@ -86,12 +82,10 @@ TEST(Rediscovery, AcceptsNoAnswerToAnEarlierRequest) {
 }
 
 TEST(Rediscovery, DisarmsAndDoesNotArmOnEarlierStatuses) {
-    ScriptedRobot robot;
     roburoc4_config config = default_config();
-    Bench bench(robot, config);
-    bench.armed();
-    swap_ids(robot);
-    robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
+    Armed bench(config);
+    swap_ids(bench.robot);
+    bench.robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
     for (int i = 0; i < 1500 && bench.facts().armed != 0; i++)
         bench.run(10 * ms);
     ASSERT_EQ(0, bench.facts().armed);
@@ -103,21 +97,19 @@ TEST(Rediscovery, DisarmsAndDoesNotArmOnEarlierStatuses) {
 }
 
 TEST(Rediscovery, OutputsFromBeforeARebootStayOff) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_EQ(ROBUROC4_OK, set_digital_output(&bench.client, 3, 1, bench.client_us()));
     bench.run(500 * ms);
     for (std::uint64_t i = 0; i < 3; i++)
-        bench.receive(robot.status_at(6, i));
-    robot.reboot();
+        bench.receive(bench.robot.status_at(6, i));
+    bench.robot.reboot();
     bench.run(5 * second);
     ASSERT_EQ(ROBUROC4_STATE_READY, bench.facts().state);
-    robot.output_commands.clear();
+    bench.robot.output_commands.clear();
     ASSERT_EQ(ROBUROC4_OK, set_digital_output(&bench.client, 1, 1, bench.client_us()));
     bench.run(500 * ms);
-    ASSERT_FALSE(robot.output_commands.empty());
-    for (const auto &command : robot.output_commands)
+    ASSERT_FALSE(bench.robot.output_commands.empty());
+    for (const auto &command : bench.robot.output_commands)
         EXPECT_EQ(0x02, command.second.back());
 }
 
@@ -126,8 +118,7 @@ TEST(Rediscovery, OfTheSameRobotAfterALossRequestsNoTextAgain) {
     robot.channel_text = [](std::uint32_t io_type, std::uint32_t index) -> std::string {
         return io_type == ROBUROC4_IO_DIGITAL_INPUT && index == 3 ? "Game pad A button" : "?";
     };
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     ASSERT_EQ(3, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
     robot.powered = false;
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
@@ -143,11 +134,9 @@ TEST(Rediscovery, OfTheSameRobotAfterALossRequestsNoTextAgain) {
 }
 
 TEST(Rediscovery, AStopIsNotForgottenWhenTheServiceGetsAnotherId) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
-    swap_ids(robot);
-    robot.texts_silent = true; /* discovering takes its time */
+    Armed bench;
+    swap_ids(bench.robot);
+    bench.robot.texts_silent = true; /* discovering takes its time */
     for (int i = 0; i < 15000 && bench.facts().state == ROBUROC4_STATE_READY; i++)
         bench.run(1 * ms);
     ASSERT_NE(ROBUROC4_STATE_READY, bench.facts().state);
@@ -161,11 +150,26 @@ TEST(Rediscovery, AStopIsNotForgottenWhenTheServiceGetsAnotherId) {
     EXPECT_GE(zeros, 3);
 }
 
+TEST(Rediscovery, AStopIsNotForgottenWhilePropertiesAreRefused) {
+    ScriptedRobot robot;
+    ScriptedService &differential = robot.service(ROBUROC4_SERVICE_DIFFERENTIAL);
+    Ready bench(robot);
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    robot.powered = differential.get_refused = true;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    ASSERT_EQ(ROBUROC4_OK, bench.stop());
+    bench.run(3 * second);
+    EXPECT_TRUE(bench.commands().empty());
+    differential.get_refused = false;
+    differential.id = 60;
+    EXPECT_TRUE(bench.run_until([&] { return bench.commands().size() >= 3; }));
+}
+
 TEST(Rediscovery, ZerosWaitForNoPropertiesWhereverItIsListed) {
     ScriptedRobot robot;
     std::reverse(robot.services.begin(), robot.services.end());
-    Bench bench(robot);
-    bench.armed();
+    Armed bench(robot);
     robot.service(ROBUROC4_SERVICE_BATTERY).id = 44;
     robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_silent = true;
     EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.drive_until_refused(0.5F, 0, 10 * second));
@@ -184,8 +188,7 @@ TEST(Rediscovery, AStopGoesToNoServiceThatIsKnownToBeAnother) {
             s.type = static_cast<std::uint16_t>(0x5000 + s.kind);
         if (before != 6)
             swap_ids(robot);
-        Bench bench(robot);
-        bench.ready();
+        Ready bench(robot);
         ASSERT_EQ(before, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_DIFFERENTIAL));
         swap_ids(robot);
         robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_silent = true;
@@ -211,18 +214,16 @@ TEST(Rediscovery, AServiceWithoutPropertiesIsNoLongerDriven) {
         [](ScriptedService &s) { s.get_length = 40; }};
     for (std::size_t i = 0; i < ways.size(); i++) {
         SCOPED_TRACE(i);
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
-        robot.powered = false;
+        Armed bench;
+        bench.robot.powered = false;
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
-        robot.powered = true;
-        ways[i](robot.service(ROBUROC4_SERVICE_DIFFERENTIAL));
+        bench.robot.powered = true;
+        ways[i](bench.robot.service(ROBUROC4_SERVICE_DIFFERENTIAL));
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
         bench.run(500 * ms);
         EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.arm());
         EXPECT_LT(bench.drive(0.25F, 0), 0);
-        robot.service(ROBUROC4_SERVICE_DIFFERENTIAL) = usual_services().back();
+        bench.robot.service(ROBUROC4_SERVICE_DIFFERENTIAL) = usual_services().back();
         bench.run(8 * second); /* the probe asks again */
         EXPECT_EQ(ROBUROC4_OK, bench.arm());
     }
@@ -231,8 +232,7 @@ TEST(Rediscovery, AServiceWithoutPropertiesIsNoLongerDriven) {
 TEST(Rediscovery, PropertiesThatWereRefusedAreRequestedAgain) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_BATTERY).get_refused = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     robot.powered = false;
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
     robot.service(ROBUROC4_SERVICE_BATTERY).get_refused = false;
@@ -246,8 +246,7 @@ TEST(Rediscovery, ARobotWithTheManualIdIsFoundHoweverLate) {
     ScriptedRobot robot;
     robot.only_manual_id = true;
     robot.powered = false;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     bench.run(1000 * second);
     robot.powered = true;
     bench.run(20 * second);

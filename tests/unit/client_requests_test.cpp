@@ -38,8 +38,7 @@ TEST(Retry, ComesFirstAfterAHundredMillisecondsAndDoublesToASecond) {
     ScriptedRobot robot;
     bool silent = true;
     silence(robot, ROBUROC4_ACTION_GET, silent);
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     bench.run(6 * second);
     const std::vector<std::uint64_t> wanted{100, 200, 400, 800, 1000, 1000, 1000, 1000};
     EXPECT_EQ(wanted, waits_ms(robot.requests));
@@ -52,8 +51,7 @@ TEST(Retry, ComesFirstAfterTheConfiguredTime) {
     silence(robot, ROBUROC4_ACTION_GET, silent);
     roburoc4_config config = default_config();
     config.first_retry_ms = 10;
-    Bench bench(robot, config);
-    bench.start();
+    Started bench(robot, config);
     bench.run(3 * second);
     const std::vector<std::uint64_t> wanted{10, 20, 40, 80, 160, 320, 640, 1000};
     EXPECT_EQ(wanted, waits_ms(robot.requests));
@@ -63,8 +61,7 @@ TEST(Retry, ComesEachSecondWhileNobodyAnswers) {
     ScriptedRobot robot;
     bool silent = true;
     silence(robot, ROBUROC4_ACTION_GET, silent);
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     bench.run(1000 * second);
     const std::vector<std::uint64_t> waits = waits_ms(robot.requests);
     ASSERT_GT(waits.size(), 990U);
@@ -77,8 +74,7 @@ TEST(Retry, TriesTheManualsIdThenContinuesWithAnother) {
     ScriptedRobot robot;
     bool silent = true;
     silence(robot, ROBUROC4_ACTION_GET, silent);
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     bench.run(300 * second);
     std::set<int> ids;
     for (std::size_t i = 0; i < robot.requests.size(); i++) {
@@ -94,23 +90,20 @@ TEST(Retry, FollowsTheShortestRoundTripOnceItIsKnown) {
     for (const auto &[round_trip_us, first_ms] :
          {std::pair<std::uint64_t, std::uint64_t>{ms, 20}, {15 * ms, 60}, {80 * ms, 100}}) {
         SCOPED_TRACE(round_trip_us);
-        ScriptedRobot robot;
-        Bench bench(robot);
+        RobotBench bench;
         bench.delay_to_client = [us = round_trip_us] { return us; };
         bench.ready();
-        robot.requests.clear();
-        robot.instead = [](const roburoc4_request &, std::vector<Bytes> &) { return true; };
-        ASSERT_TRUE(bench.run_until([&] { return robot.requests.size() >= 2; }, 2 * second));
-        EXPECT_EQ(first_ms, waits_ms(robot.requests).front());
+        bench.robot.requests.clear();
+        bench.robot.instead = [](const roburoc4_request &, std::vector<Bytes> &) { return true; };
+        ASSERT_TRUE(bench.run_until([&] { return bench.robot.requests.size() >= 2; }, 2 * second));
+        EXPECT_EQ(first_ms, waits_ms(bench.robot.requests).front());
     }
 }
 
 TEST(Request, HasAnIdThatNoOtherOpenOneHas) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
-    for (std::size_t i = 1; i < robot.requests.size(); i++)
-        EXPECT_NE(robot.requests[i - 1].what.id, robot.requests[i].what.id);
+    Ready bench;
+    for (std::size_t i = 1; i < bench.robot.requests.size(); i++)
+        EXPECT_NE(bench.robot.requests[i - 1].what.id, bench.robot.requests[i].what.id);
 }
 
 TEST(Request, SeveralAreInFlightAtOnce) {
@@ -118,8 +111,7 @@ TEST(Request, SeveralAreInFlightAtOnce) {
     hide_types(robot);
     bool silent = true;
     silence(robot, ROBUROC4_ACTION_QUERY, silent);
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     EXPECT_GE(robot.seen(ROBUROC4_ACTION_QUERY).size(), 3U) << "at the same time";
     std::set<int> ids;
     for (const Request &r : robot.seen(ROBUROC4_ACTION_QUERY))
@@ -129,8 +121,7 @@ TEST(Request, SeveralAreInFlightAtOnce) {
 
 TEST(Answer, ThatIsDoubledIsRejectedAndCounted) {
     ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     const std::uint32_t before = bench.count(ROBUROC4_COUNT_UNMATCHED);
     robot.battery.capacity_ah = 61;
     robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &answers) {
@@ -152,8 +143,7 @@ TEST(Answer, ThatIsDoubledIsRejectedAndCounted) {
 TEST(Answer, ToAnEarlierTryCounts) {
     roburoc4_config config = default_config();
     config.fresh_ms = 1000;
-    ScriptedRobot robot;
-    Bench bench(robot, config);
+    RobotBench bench(config);
     bench.delay_to_client = [] { return 450 * ms; };
     bench.start();
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 5 * second));
@@ -165,8 +155,7 @@ TEST(Answer, ThatArrivesAfterTheRequestWasGivenUpIsRejected) {
     ScriptedRobot robot;
     bool silent = true;
     silence(robot, ROBUROC4_ACTION_GET, silent, ROBUROC4_SERVICE_BATTERY);
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     ASSERT_TRUE(bench.run_until([&] { return bench.count(ROBUROC4_COUNT_ABANDONED) == 1; }));
     const Request last = robot.seen(ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_BATTERY).back();
     EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive(robot.properties(
@@ -177,8 +166,7 @@ TEST(Answer, CountsOnlyIfIdActionAndTargetMatch) {
     ScriptedRobot robot;
     bool silent = true;
     silence(robot, ROBUROC4_ACTION_GET, silent);
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     const std::uint8_t id = robot.requests[0].what.id;
     const std::uint8_t other = static_cast<std::uint8_t>(id + 1);
     for (const Bytes &wrong : {Bytes{other, 0, 0, 0, 0}, Bytes{id, 1, 0, 0, 0},
@@ -190,12 +178,10 @@ TEST(Answer, CountsOnlyIfIdActionAndTargetMatch) {
 }
 
 TEST(Answer, FromBeforeALossDoesNotCount) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
-    robot.powered = false;
+    Ready bench;
+    bench.robot.powered = false;
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
-    const Request last = robot.requests.back();
+    const Request last = bench.robot.requests.back();
     EXPECT_EQ(ROBUROC4_ERR_UNMATCHED,
               bench.receive(plain_answer(last.what.id, last.what.action, last.what.service, 0)));
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_LOST), bench.state());
@@ -205,8 +191,7 @@ TEST(Answer, FromBeforeARestartDoesNotCount) {
     ScriptedRobot robot;
     bool silent = true;
     silence(robot, ROBUROC4_ACTION_GET, silent);
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     const Request before = robot.requests.at(0);
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_close(&bench.client, bench.client_us()));
     bench.run(100 * ms);
@@ -216,9 +201,7 @@ TEST(Answer, FromBeforeARestartDoesNotCount) {
 }
 
 TEST(Answer, ThatIsTruncatedOrEmptyIsCounted) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     for (const Bytes &bad : {Bytes{}, Bytes{7}, Bytes{7, 0, 0, 0}, Bytes{0xFF}, Bytes{0xFF, 6, 0}})
         EXPECT_EQ(ROBUROC4_ERR_SHORT, bench.receive(bad)) << to_hex(bad);
     EXPECT_EQ(5U, bench.count(ROBUROC4_COUNT_SHORT));
@@ -228,8 +211,7 @@ TEST(Answer, ThatIsTruncatedOrEmptyIsCounted) {
 TEST(Description, IsTriedAtLeastTenTimes) {
     ScriptedRobot robot;
     robot.texts_silent = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(
         bench.run_until([&] { return bench.facts().descriptions_done == 1; }, 300 * second));
     std::map<std::tuple<int, int, int>, int> tries;
@@ -247,8 +229,7 @@ TEST(Description, OfWhichAnswersDoNotNameTheRequestIsRepeatedAfterHalfASecond) {
     ScriptedRobot robot;
     robot.remove(ROBUROC4_SERVICE_BATTERY); /* the only one that needs its text */
     robot.always_manual_id = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until([&] { return bench.facts().fixed_id == 1; }, 2 * second));
     robot.texts_silent = true;
     bench.run(5 * second);
@@ -259,8 +240,7 @@ TEST(Description, OfWhichAnswersDoNotNameTheRequestIsRepeatedAfterHalfASecond) {
 }
 
 TEST(Description, IsNotForgottenWhenASubscriptionChanges) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     bench.delay_to_client = [] { return 20 * ms; };
     bench.start();
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
@@ -273,14 +253,13 @@ TEST(Description, IsNotForgottenWhenASubscriptionChanges) {
     }
     bench.run(5 * second);
     EXPECT_EQ(1, bench.facts().descriptions_done);
-    EXPECT_EQ(7U + 9U + 22U + 8U, robot.seen(ROBUROC4_ACTION_QUERY).size()) << "each once";
+    EXPECT_EQ(7U + 9U + 22U + 8U, bench.robot.seen(ROBUROC4_ACTION_QUERY).size()) << "each once";
 }
 
 TEST(Description, ThatIsRefusedIsNotRequestedAgain) {
     ScriptedRobot robot;
     robot.texts_refused = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     bench.run(5 * second);
     EXPECT_EQ(1, bench.facts().descriptions_done);
     EXPECT_EQ(7U + 9U + 22U + 8U, robot.seen(ROBUROC4_ACTION_QUERY).size());
@@ -295,8 +274,7 @@ TEST(Description, ThatIsMissingIsRequestedLaterButNotWhileDriving) {
         return r.action == ROBUROC4_ACTION_QUERY && r.service != 0 &&
                r.io_type == ROBUROC4_IO_ANALOG_INPUT && r.index == 3;
     };
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until([&] { return bench.facts().descriptions_done == 1; }, 60 * second));
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
     robot.requests.clear();
@@ -312,8 +290,7 @@ TEST(Description, ThatIsMissingIsRequestedLaterButNotWhileDriving) {
 TEST(Description, ThatIsMissingIsRequestedLater) {
     ScriptedRobot robot;
     robot.texts_silent = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(
         bench.run_until([&] { return bench.facts().descriptions_done == 1; }, 600 * second));
     robot.requests.clear();
@@ -336,8 +313,7 @@ TEST(ErrorTelegram, OfOneToFiveBytesEndsTheRequestThatItFits) {
             answers.push_back(error);
             return true;
         };
-        Bench bench(robot);
-        bench.start();
+        Started bench(robot);
         ASSERT_TRUE(
             bench.run_until([&] { return bench.facts().descriptions_done == 1; }, 60 * second));
         EXPECT_LE(robot.seen(ROBUROC4_ACTION_QUERY).size(), 7U + 9U + 22U + 8U + 3U);
@@ -359,8 +335,7 @@ TEST(ErrorTelegram, OfASubscriptionThatIsAlwaysRefusedLetsLateTextsThrough) {
     } robot;
     robot.error_header = true;
     robot.services[ROBUROC4_SERVICE_LOCALIZATION].insert_refused = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     EXPECT_TRUE(bench.run_until([&] { return bench.facts().override_known == 1; }, 120 * second));
 }
 
@@ -383,7 +358,7 @@ TEST(ErrorTelegram, RefusesNoTextThatTheRobotGives) {
         bench.start();
         ASSERT_TRUE(
             bench.run_until([&] { return bench.facts().descriptions_done == 1; }, 120 * second));
-        EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
+        EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN,
                   roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
     }
 }
@@ -400,8 +375,7 @@ TEST(ErrorTelegram, RefusesNoTextFasterThanTheRobotGivesTexts) {
         asked.push_back(r.index);
         return true; /* the test answers */
     };
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     bench.receive(refusal); /* from now on, one text is requested at a time */
     const auto wait_for_text = [&] {
@@ -460,8 +434,7 @@ TEST(ErrorTelegram, ThatEndsATextLetsTheProbeGoAtOnce) {
         return (r.action == ROBUROC4_ACTION_QUERY && r.service != 0) ||
                r.action == ROBUROC4_ACTION_REPLACE;
     };
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     for (int at = 0; at < 40; at++) {
         bench.run(1100 * ms);
@@ -486,8 +459,7 @@ TEST(ErrorTelegram, OfAnotherRequestRefusesNoText) {
             answers.push_back({0});
         return text || r.action == ROBUROC4_ACTION_REPLACE;
     };
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     bench.receive({0}); /* from now on, one text is requested at a time, after 5 s without one */
     bench.run(4950 * ms);
@@ -545,8 +517,7 @@ TEST(ErrorTelegram, EndsTextRequestsForServicesForAWhile) {
 TEST(ErrorTelegram, ThatComesWhileTextsWaitMakesThemWaitLonger) {
     ScriptedRobot robot;
     robot.error_header = robot.texts_refused = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     bench.run(3500 * ms);
     const std::size_t before = robot.seen(ROBUROC4_ACTION_QUERY).size();
@@ -558,16 +529,14 @@ TEST(ErrorTelegram, ThatComesWhileTextsWaitMakesThemWaitLonger) {
 }
 
 TEST(ErrorTelegram, ThatFitsNothingIsCounted) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     bench.run(50 * ms);
     EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive({0}));
     EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive({0, 2, 5, 0, 1}));
-    robot.service(ROBUROC4_SERVICE_BATTERY).get_silent = true;
-    robot.requests.clear();
+    bench.robot.service(ROBUROC4_SERVICE_BATTERY).get_silent = true;
+    bench.robot.requests.clear();
     ASSERT_TRUE(bench.run_until(
-        [&] { return !robot.seen(ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_BATTERY).empty(); }));
+        [&] { return !bench.robot.seen(ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_BATTERY).empty(); }));
     for (const std::uint8_t other : {std::uint8_t{3}, std::uint8_t{5}})
         EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive({0, ROBUROC4_ACTION_GET, other, 0, 1}));
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REFUSED));
@@ -607,8 +576,7 @@ TEST(Request, ThatIsNeverAnsweredIsGivenUpAfterTwoAndAHalfSeconds) {
             seen = tries().size();
             return seen > before;
         };
-        Bench bench(robot);
-        bench.start();
+        Started bench(robot);
         if (action == ROBUROC4_ACTION_DELETE) {
             ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
             ASSERT_EQ(ROBUROC4_OK,
@@ -631,8 +599,7 @@ TEST(Request, ThatIsNeverAnsweredIsGivenUpAfterTwoAndAHalfSeconds) {
 TEST(Description, ThatIsNotAnsweredDelaysNothingElse) {
     ScriptedRobot robot;
     robot.texts_silent = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     for (int i = 1; i < 10; i++) {
         bench.run(450 * ms);
@@ -673,8 +640,7 @@ TEST(Probe, RequestsOneServiceASecondInTurn) {
 
 TEST(Probe, ThatIsLostIsRepeatedAsEveryRequest) {
     ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     const std::uint32_t retries = bench.count(ROBUROC4_COUNT_RETRIES);
     robot.requests.clear();
     robot.instead = [&](const roburoc4_request &, std::vector<Bytes> &) {
@@ -693,8 +659,7 @@ TEST(Probe, RetriesARefusedSubscriptionOncePerRound) {
     ScriptedRobot robot;
     ScriptedService &battery = robot.service(ROBUROC4_SERVICE_BATTERY);
     battery.insert_refused = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     robot.requests.clear();
     bench.run(60 * second);
     const std::size_t again = robot.seen(ROBUROC4_ACTION_INSERT).size();
@@ -711,17 +676,15 @@ TEST(Probe, RetriesARefusedSubscriptionOncePerRound) {
 
 /* Four of them would leave no room for other requests. */
 TEST(Probe, ThatIsNeverAnsweredIsGivenUpAndDelaysNothing) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
-    for (ScriptedService &s : robot.services)
+    Ready bench;
+    for (ScriptedService &s : bench.robot.services)
         s.get_silent = true;
     for (int i = 0; i < 10; i++) {
         bench.run(6 * second);
         ASSERT_EQ(ROBUROC4_OK,
                   roburoc4_client_relocalize(&bench.client, i, 0, 0, bench.client_us()));
         bench.pump();
-        EXPECT_EQ(static_cast<double>(i), robot.pose[0]) << "it was sent at once";
+        EXPECT_EQ(static_cast<double>(i), bench.robot.pose[0]) << "it was sent at once";
     }
     EXPECT_GE(bench.count(ROBUROC4_COUNT_ABANDONED), 45U) << "five of six questions in a minute";
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
@@ -729,19 +692,22 @@ TEST(Probe, ThatIsNeverAnsweredIsGivenUpAndDelaysNothing) {
 
 TEST(Answer, WithSurplusBytesIsUsedWhateverItIs) {
     for (const std::size_t surplus : {std::size_t{1}, std::size_t{9}}) {
-        ScriptedRobot robot;
-        Bench bench(robot);
+        RobotBench bench;
         bench.drop_to_client = [&](const Bytes &bytes) {
             if (bytes[0] == ROBUROC4_HEADER_STATUS || bytes[1] == ROBUROC4_ACTION_QUERY)
                 return false; /* a text ends with its datagram */
             Bytes longer = bytes;
             longer.resize(bytes.size() + surplus, 0x5A);
-            EXPECT_GE(bench.receive(longer), 0) << to_hex(longer);
+            const roburoc4_result used = bench.receive(longer);
+            EXPECT_GE(used, 0) << to_hex(longer);
+            if (bytes[1] == ROBUROC4_ACTION_GET && bytes[2] == 0 && bytes[3] == 0) {
+                EXPECT_EQ(1, used) << "the directory's, each time";
+            }
             return true;
         };
         bench.ready();
         bench.run(10 * second);
-        EXPECT_EQ(5U, robot.seen(ROBUROC4_ACTION_INSERT).size());
+        EXPECT_EQ(5U, bench.robot.seen(ROBUROC4_ACTION_INSERT).size());
         EXPECT_EQ(1, bench.facts().descriptions_done);
         EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_RETRIES)) << "none is asked for again";
         EXPECT_GE(bench.count(ROBUROC4_COUNT_SURPLUS), 6U);
@@ -765,8 +731,7 @@ TEST(ErrorTelegram, IsAnErrorEvenWhenItsErrorByteIsZero) {
         answers.push_back(plain_answer(0, r.action, r.service, 0));
         return true;
     };
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, second));
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
     EXPECT_EQ(4U, bench.count(ROBUROC4_COUNT_REFUSED));
@@ -791,8 +756,7 @@ TEST(Request, ThatFailsIsReportedAsItselfAndEndsNoOther) {
                 answers.push_back(plain_answer(r.id, r.action, r.service, ROBUROC4_ERROR_DATA));
             return true;
         };
-        Bench bench(robot);
-        bench.start();
+        Started bench(robot);
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
         for (std::uint32_t service = 2; service < 4; service++)
             ASSERT_EQ(ROBUROC4_OK,
@@ -838,8 +802,7 @@ TEST(ErrorTelegram, OfTheSimulatorIsUnderstood) {
 TEST(Directory, ThatIsRefusedIsNotRequestedTooOften) {
     ScriptedRobot robot;
     robot.directory_refused = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     bench.run(10 * second);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CONNECTING), bench.state());
     EXPECT_GE(robot.requests.size(), 8U);
@@ -854,8 +817,7 @@ TEST(Directory, ThatIsRefusedIsNotRequestedTooOften) {
 TEST(FixedId, IsEnteredAfterThreeTriesThatSawOnlyOne) {
     ScriptedRobot robot;
     robot.always_manual_id = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until([&] { return bench.facts().fixed_id == 1; }, 2 * second));
     std::size_t others = 0;
     for (const Request &r : robot.requests)
@@ -871,8 +833,7 @@ TEST(FixedId, IsEnteredAfterThreeTriesThatSawOnlyOne) {
 TEST(FixedId, IsNotEnteredAfterFewerTries) {
     ScriptedRobot robot;
     robot.always_manual_id = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     bench.run(250 * ms); /* two tries */
     robot.always_manual_id = false;
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 2 * second));
@@ -887,8 +848,7 @@ TEST(FixedId, IsNotEnteredAfterThreeAnswersToOneTry) {
             answers.push_back(plain_answer(ROBUROC4_HEADER_MANUAL, r.action, r.service, 0));
         return true;
     };
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     EXPECT_EQ(1U, robot.requests.size());
     EXPECT_EQ(0, bench.facts().fixed_id);
     EXPECT_EQ(5U, bench.count(ROBUROC4_COUNT_UNMATCHED));
@@ -939,8 +899,7 @@ TEST(FixedId, SendsUrgentRequestsFirst) {
 TEST(FixedId, IsFoundForARobotThatIgnoresAllOtherIds) {
     ScriptedRobot robot;
     robot.only_manual_id = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 10 * second));
     EXPECT_EQ(1, bench.facts().fixed_id);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_FIXED_ID);
@@ -955,8 +914,7 @@ TEST(FixedId, IsNotEnteredForAnEchoingRobotHoweverMuchIsLost) {
         SCOPED_TRACE(echoed_before);
         ScriptedRobot robot;
         robot.powered = false;
-        Bench bench(robot);
-        bench.start();
+        Started bench(robot);
         if (echoed_before) {
             robot.powered = true;
             ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
@@ -1007,8 +965,7 @@ TEST(FixedId, InputTextsAreReadAgainUntilTheyNameTheOverride) {
         robot.channel_text = [](std::uint32_t, std::uint32_t) { return "spare"; };
         roburoc4_config config = default_config();
         config.role_index[ROBUROC4_ROLE_OVERRIDE] = static_cast<std::int16_t>(configured);
-        Bench bench(robot, config);
-        bench.ready();
+        Ready bench(robot, config);
         ASSERT_TRUE(bench.run_until([&] { return bench.facts().descriptions_done == 1; }));
         EXPECT_EQ(configured == 0, bench.facts().override_known == 1);
         robot.channel_text = names;
@@ -1026,8 +983,7 @@ TEST(FixedId, ARobotWithoutAnOverrideStaysArmed) {
     robot.channel_text = [](std::uint32_t, std::uint32_t) { return "spare"; };
     roburoc4_config config = default_config();
     config.options |= ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(robot, config);
     ASSERT_TRUE(bench.run_until([&] { return bench.arm() >= 0; }, 60 * second));
     bench.run(60 * second);
     EXPECT_EQ(1, bench.facts().armed) << roburoc4_result_text(bench.facts().disarm_cause);
@@ -1039,8 +995,7 @@ TEST(FixedId, TheOverrideIsFoundWhileTheClientStops) {
     robot.always_manual_id = true;
     roburoc4_config config = default_config();
     config.robot_watchdog_ms = 60000;
-    Bench bench(robot, config);
-    bench.start();
+    Started bench(robot, config);
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_stop(&bench.client, bench.now_us));
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     EXPECT_EQ(1, bench.facts().stopping);
@@ -1055,8 +1010,7 @@ TEST(FixedId, ATextThatContradictsTheTableNamesNoOverride) {
         robot.channel_text = [index](std::uint32_t, std::uint32_t i) -> std::string {
             return i == index ? "Game pad A button" : "spare";
         };
-        Bench bench(robot);
-        bench.ready();
+        Ready bench(robot);
         ASSERT_TRUE(bench.run_until([&] { return bench.facts().descriptions_done == 1; }));
         bench.run(10 * second);
         EXPECT_EQ(0, bench.facts().override_known) << index;
@@ -1066,8 +1020,7 @@ TEST(FixedId, ATextThatContradictsTheTableNamesNoOverride) {
 TEST(FixedId, IsReportedOnce) {
     ScriptedRobot robot;
     robot.only_manual_id = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     robot.requests.clear();
     robot.instead = [&](const roburoc4_request &, std::vector<Bytes> &) {
         return robot.requests.size() < 4;
@@ -1079,25 +1032,21 @@ TEST(FixedId, IsReportedOnce) {
 }
 
 TEST(FixedId, IsFoundForARobotThatReplacesTheFirst) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
-    robot.powered = false;
+    Ready bench;
+    bench.robot.powered = false;
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
     bench.run(60 * second);
-    robot.only_manual_id = true;
-    robot.powered = true;
+    bench.robot.only_manual_id = true;
+    bench.robot.powered = true;
     EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 10 * second));
     EXPECT_EQ(1, bench.facts().fixed_id);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_FIXED_ID);
 }
 
 TEST(FixedId, IsFoundForARobotThatReplacesTheFirstAtOnce) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
-    robot.only_manual_id = true;
-    robot.reboot();
+    Ready bench;
+    bench.robot.only_manual_id = true;
+    bench.robot.reboot();
     EXPECT_TRUE(bench.run_until([&] { return bench.facts().fixed_id == 1; }, 60 * second));
     EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 10 * second));
 }
@@ -1112,8 +1061,7 @@ TEST(FixedId, AnAmbiguousTextNamesNoService) {
     hide_types(robot);
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(robot, config);
     EXPECT_EQ(1, bench.facts().fixed_id);
     EXPECT_EQ(2, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_IOCARD));
     robot.press(ROBUROC4_DI_PAD_A);
@@ -1141,8 +1089,7 @@ TEST(FixedId, EndsIfTheRobotEchoesAnotherId) {
     robot.only_manual_id = true; /* as on a link that loses all but one answer */
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(robot, config);
     ASSERT_EQ(1, bench.facts().fixed_id);
     ASSERT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.arm());
     robot.only_manual_id = false;
@@ -1154,8 +1101,7 @@ TEST(FixedId, EndsIfTheRobotEchoesAnotherId) {
 TEST(FixedId, IsNotKeptForTheRobotFoundAfterALoss) {
     ScriptedRobot robot;
     robot.only_manual_id = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     ASSERT_EQ(1, bench.facts().fixed_id);
     robot.powered = false;
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
@@ -1177,8 +1123,7 @@ TEST(FixedId, HidesNoServiceAfterALoss) {
     ScriptedRobot robot;
     name_services_by_text(robot);
     robot.only_manual_id = true; /* as on a link that loses all but one answer */
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     bench.run(10 * second); /* all texts are read */
     ASSERT_EQ(1, bench.facts().fixed_id);
     robot.powered = false;
@@ -1195,8 +1140,7 @@ TEST(FixedId, StaysForARobotThatKnowsNoOther) {
         ScriptedRobot robot;
         name_services_by_text(robot); /* none of which is found */
         (dialect == 0 ? robot.only_manual_id : robot.always_manual_id) = true;
-        Bench bench(robot);
-        bench.ready();
+        Ready bench(robot);
         bench.run(20 * second);
         EXPECT_EQ(1, bench.facts().fixed_id) << dialect;
         EXPECT_EQ(0U, bench.take_events() & (ROBUROC4_EVENT_STATE | ROBUROC4_EVENT_FIXED_ID));
@@ -1212,8 +1156,7 @@ TEST(FixedId, AnUnreportedCardIsNotTakenForAMissingOne) {
     robot.always_manual_id = true;
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(robot, config);
     ASSERT_EQ(1, bench.facts().fixed_id);
     bench.run(3 * second);
     EXPECT_EQ(ROBUROC4_ERR_STALE_IOCARD, bench.arm());
@@ -1228,8 +1171,7 @@ TEST(Requests, TheIdOfAnOpenRequestIsNotReused) {
         open_id = unanswered ? r.id : open_id;
         return unanswered;
     };
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until([&] { return open_id != 0; }));
     for (int i = 0; i < 300; i++) {
         roburoc4_client_subscribe(&bench.client, ROBUROC4_SERVICE_TELEMETER, i % 2 == 0 ? 50 : 60,

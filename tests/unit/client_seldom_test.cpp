@@ -10,9 +10,7 @@
 using namespace roburoc4_tests;
 
 TEST(Seldom, ClosingTwiceIsClosing) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     EXPECT_EQ(ROBUROC4_OK, bench.close());
     bench.take_events();
@@ -24,29 +22,25 @@ TEST(Seldom, ClosingTwiceIsClosing) {
 }
 
 TEST(Seldom, ARobotRestartedDuringCloseIsNotDiscovered) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     ASSERT_EQ(ROBUROC4_OK, bench.close());
     ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
     for (std::uint64_t i = 0; i < 4; i++)
         EXPECT_EQ(ROBUROC4_ERR_OLD,
-                  bench.receive(robot.status_at(ROBUROC4_SERVICE_DIFFERENTIAL, 10 + i)));
+                  bench.receive(bench.robot.status_at(ROBUROC4_SERVICE_DIFFERENTIAL, 10 + i)));
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS));
     EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_IDLE));
 }
 
 TEST(Seldom, AnAnswerThatComesWhileTheClientClosesIsUnmatched) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
-    robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
+    Armed bench;
+    bench.robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
         return r.action == ROBUROC4_ACTION_GET;
     };
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 300 * ms));
-    const auto asked = robot.seen(ROBUROC4_ACTION_GET).back().what;
+    const auto asked = bench.robot.seen(ROBUROC4_ACTION_GET).back().what;
     ASSERT_EQ(ROBUROC4_OK, bench.close());
     ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
     EXPECT_EQ(ROBUROC4_ERR_UNMATCHED,
@@ -58,8 +52,7 @@ TEST(Seldom, AnAnswerThatComesWhileTheClientClosesIsUnmatched) {
 TEST(Seldom, APendingStopEndsWithTheClient) {
     ScriptedRobot robot;
     robot.powered = false;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_EQ(ROBUROC4_OK, bench.pause());
     ASSERT_EQ(1, bench.facts().stopping);
     ASSERT_EQ(ROBUROC4_OK, bench.close());
@@ -69,9 +62,7 @@ TEST(Seldom, APendingStopEndsWithTheClient) {
 }
 
 TEST(Seldom, EveryDatagramSentIsCounted) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.start();
+    Started bench;
     bench.run(5 * second);
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
@@ -108,8 +99,7 @@ TEST(Seldom, WaitsASecondForMissingTexts) {
     robot.texts_silent = true;
     roburoc4_config config = default_config();
     config.first_retry_ms = 100; /* the second ends between the tries after 0.92 s and 1.24 s */
-    Bench bench(robot, config);
-    bench.start();
+    Started bench(robot, config);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_DISCOVERING));
     const std::uint64_t begun_us = bench.now_us;
     bench.run(950 * ms);
@@ -120,22 +110,19 @@ TEST(Seldom, WaitsASecondForMissingTexts) {
 }
 
 TEST(Seldom, ABumperThatTheUserChoseHasNoSideEffects) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     EXPECT_EQ(ROBUROC4_OK, roburoc4_client_set_role_index(&bench.client, ROBUROC4_ROLE_FRONT_BUMPER,
                                                           3, bench.client_us()));
     EXPECT_EQ(3, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_FRONT_BUMPER));
     EXPECT_EQ(1, bench.facts().armed);
     EXPECT_EQ(1, bench.facts().override_known);
-    robot.press(3);
+    bench.robot.press(3);
     bench.run(100 * ms);
     EXPECT_EQ(1, bench.facts().front_bumper);
 }
 
 TEST(Seldom, ADescriptionIsReadOnlyFromItsOwnDatagram) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     Bytes text;
     bench.drop_to_client = [&](const Bytes &bytes) {
         if (text.empty() && bytes.size() > 5 && bytes[1] == ROBUROC4_ACTION_QUERY) {
@@ -148,14 +135,14 @@ TEST(Seldom, ADescriptionIsReadOnlyFromItsOwnDatagram) {
     ASSERT_TRUE(bench.run_until([&] { return !text.empty(); }));
     ASSERT_GE(bench.receive(text), 0);
     roburoc4_description description{};
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN,
               roburoc4_client_description(&bench.client, text.data(), 4, &description))
         << "another datagram";
     EXPECT_EQ(ROBUROC4_OK,
               roburoc4_client_description(&bench.client, text.data(), text.size(), &description));
     EXPECT_EQ(text.size() - 5, description.length);
     bench.receive({0x77});
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN,
               roburoc4_client_description(&bench.client, text.data(), text.size(), &description));
 }
 
@@ -169,8 +156,7 @@ TEST(Seldom, MoreChannelsThanCanBeStoredAreReportedOnce) {
         robot.iocard = card;
         robot.analog.resize(static_cast<std::size_t>(card.analog_inputs));
         robot.texts_refused = true;
-        Bench bench(robot);
-        bench.start();
+        Started bench(robot);
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
         EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
         bench.run(20 * second); /* it is read again by the probe */
@@ -185,8 +171,7 @@ TEST(Seldom, MoreChannelsThanCanBeStoredAreReportedOnce) {
         ScriptedRobot robot;
         robot.iocard = card;
         robot.analog.resize(static_cast<std::size_t>(card.analog_inputs));
-        Bench bench(robot);
-        bench.start();
+        Started bench(robot);
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
         EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_CAPACITY) << "as many as fit";
     }
@@ -203,8 +188,7 @@ TEST(Seldom, TruncatedPropertiesAreNotKnown) {
         SCOPED_TRACE(service);
         ScriptedRobot robot;
         robot.service(service).get_length = length;
-        Bench bench(robot);
-        bench.start();
+        Started bench(robot);
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
         EXPECT_GT(bench.count(ROBUROC4_COUNT_SHORT), 0U);
         roburoc4_battery_properties battery{};
@@ -227,13 +211,11 @@ TEST(Seldom, TruncatedPropertiesAreNotKnown) {
 }
 
 TEST(Seldom, TruncatedPropertiesKeepTheEarlierOnes) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     std::array<roburoc4_telemeter, 2> before{};
     for (std::uint32_t i = 0; i < 2; i++)
         ASSERT_EQ(ROBUROC4_OK, roburoc4_client_telemeter(&bench.client, i, &before[i]));
-    robot.service(ROBUROC4_SERVICE_TELEMETER).get_length = 8;
+    bench.robot.service(ROBUROC4_SERVICE_TELEMETER).get_length = 8;
     bench.drop_to_client = [](const Bytes &) {
         /* if nothing was decoded, leftovers on the stack would be read */
         volatile std::uint8_t litter[16384];
@@ -255,8 +237,7 @@ TEST(Seldom, TruncatedPropertiesKeepTheEarlierOnes) {
 TEST(Seldom, AnotherCardHasNoKnownOverrideBeforeItsFirstStatus) {
     ScriptedRobot robot;
     robot.digital = 0x20003;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     ASSERT_EQ(1, bench.facts().override_known);
     robot.service(ROBUROC4_SERVICE_IOCARD).mute = true;
     robot.iocard.digital_outputs = 9; /* so that the input of the override has the same index */
@@ -270,15 +251,13 @@ TEST(Seldom, AnotherCardHasNoKnownOverrideBeforeItsFirstStatus) {
 }
 
 TEST(Seldom, ZerosAreStillSentAfterAnEmptyDirectory) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
-    robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
+    bench.robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
         return r.action == ROBUROC4_ACTION_GET && r.service == ROBUROC4_SERVICE_DIRECTORY;
     };
     for (std::uint64_t i = 0; i < 3; i++) /* it restarts in mid-drive */
-        bench.receive(robot.status_at(ROBUROC4_SERVICE_DIFFERENTIAL, 10 + i));
+        bench.receive(bench.robot.status_at(ROBUROC4_SERVICE_DIFFERENTIAL, 10 + i));
     ASSERT_EQ(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
     bench.sent.clear();
     const std::uint64_t first_us = bench.now_us;
@@ -287,13 +266,13 @@ TEST(Seldom, ZerosAreStillSentAfterAnEmptyDirectory) {
 
     /* when the third is due, a truncated answer arrives */
     bench.now_us = first_us + 100 * ms;
-    const std::uint8_t id = robot.seen(ROBUROC4_ACTION_GET, 0).back().what.id;
+    const std::uint8_t id = bench.robot.seen(ROBUROC4_ACTION_GET, 0).back().what.id;
     ASSERT_EQ(ROBUROC4_OK, bench.receive(plain_answer(id, ROBUROC4_ACTION_GET, 0, 0)));
     bench.pump();
     EXPECT_EQ(2U, bench.commands().size()) << "a command to a service that is not listed";
     EXPECT_EQ(1, bench.facts().stopping) << "the zeros are still owed";
 
-    robot.instead = nullptr;
+    bench.robot.instead = nullptr;
     bench.sent.clear();
     ASSERT_TRUE(bench.run_until([&] { return bench.commands().size() >= 3; }));
     EXPECT_EQ(0U, bench.speeds());
@@ -312,8 +291,7 @@ TEST(Seldom, ReservedFieldsAreZero) {
 TEST(Seldom, AClockStepBackLeavesNoRequestWaiting) {
     ScriptedRobot robot;
     robot.powered = false;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     bench.run(5 * second);
     bench.skew_us -= 900000000;
     EXPECT_LT(bench.receive({1}), 0); /* whichever call comes first sees the step */
@@ -323,22 +301,19 @@ TEST(Seldom, AClockStepBackLeavesNoRequestWaiting) {
 
 /** A faster status of one service shows that those of the others were later than they seemed. */
 TEST(Seldom, AFasterStatusBringsTheEndOfArmingForward) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
-    const std::size_t before = robot.requests.size();
-    ASSERT_TRUE(bench.run_until([&] { return robot.requests.size() > before; }, 2 * second));
+    Armed bench;
+    const std::size_t before = bench.robot.requests.size();
+    ASSERT_TRUE(bench.run_until([&] { return bench.robot.requests.size() > before; }, 2 * second));
     const std::uint64_t deadline_us = roburoc4_client_next_deadline(&bench.client);
-    EXPECT_EQ(ROBUROC4_OK,
-              bench.receive(robot.status_at(ROBUROC4_SERVICE_TELEMETER, robot.cycles() + 5)));
+    EXPECT_EQ(ROBUROC4_OK, bench.receive(bench.robot.status_at(ROBUROC4_SERVICE_TELEMETER,
+                                                               bench.robot.cycles() + 5)));
     EXPECT_LE(roburoc4_client_next_deadline(&bench.client), deadline_us - 49 * ms);
 }
 
 TEST(Seldom, AClockStepBackEndsThePauseOfTextsAfterAnError) {
     ScriptedRobot robot;
     robot.error_header = robot.texts_refused = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     const std::size_t before = robot.seen(ROBUROC4_ACTION_QUERY).size();
     bench.skew_us -= 900000000;
@@ -347,26 +322,23 @@ TEST(Seldom, AClockStepBackEndsThePauseOfTextsAfterAnError) {
 }
 
 TEST(Seldom, AServiceThatIsSilentAfterAClockStepIsSubscribedToAgain) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
-    robot.subscriptions.clear();
+    Ready bench;
+    bench.robot.subscriptions.clear();
     bench.skew_us -= 900000000;
     bench.run(3 * second);
-    EXPECT_EQ(1U, robot.subscriptions.count(6)) << "the differential service";
+    EXPECT_EQ(1U, bench.robot.subscriptions.count(6)) << "the differential service";
 }
 
 TEST(Seldom, NoPoseWasSetBeforeOneIsSet) {
     ScriptedRobot robot;
     const Bench bench(robot);
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, bench.facts().relocalize_result);
 }
 
 TEST(Seldom, AClockThatStepsBackChangesNoCounterButItsOwn) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_BATTERY).get_silent = true; /* retries are counted */
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     for (const Bytes &bad : {Bytes{}, Bytes{7, 0, 0, 0, 0}, Bytes{0xFF, 9, 0}})
         EXPECT_LT(bench.receive(bad), 0);
     std::array<std::uint32_t, ROBUROC4_COUNTERS> before{};
@@ -381,15 +353,13 @@ TEST(Seldom, AClockThatStepsBackChangesNoCounterButItsOwn) {
 /* Except for the next request's id, which continues, and for events that were not taken yet. */
 TEST(Seldom, ARestartedClientIsLikeANewOne) {
     for (const std::int64_t pause_us : {0, 5000000, -900000000}) {
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench;
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.5F, 200 * ms));
         ASSERT_EQ(ROBUROC4_OK, set_digital_output(&bench.client, 3, 1, bench.client_us()));
         ASSERT_EQ(ROBUROC4_OK,
                   roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
         bench.run(10 * ms);
-        robot.powered = false;
+        bench.robot.powered = false;
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
         EXPECT_EQ(ROBUROC4_OK, bench.pause());
         EXPECT_EQ(ROBUROC4_OK, bench.close());
@@ -410,20 +380,17 @@ TEST(Seldom, ARestartedClientIsLikeANewOne) {
 TEST(Seldom, SilenceBeforeTheFirstDatagramCountsFromTheStart) {
     ScriptedRobot robot;
     robot.powered = false;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     EXPECT_EQ(0U, bench.link().silence_us);
     bench.run(3 * second);
     EXPECT_EQ(3 * second, bench.link().silence_us);
 }
 
 TEST(Seldom, RepeatsAnOutputAfterTheClockSteppedBack) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     ASSERT_EQ(ROBUROC4_OK, set_digital_output(&bench.client, 3, 1, bench.client_us()));
     bench.pump();
-    ASSERT_EQ(1U, robot.output_commands.size());
+    ASSERT_EQ(1U, bench.robot.output_commands.size());
     bench.skew_us -= 900000000;
     EXPECT_EQ(ROBUROC4_ERR_DISARMED, bench.drive(0, 0)); /* whichever call comes first sees it */
     EXPECT_TRUE(bench.poll()) << "a probe, because ages are unknown";
@@ -437,20 +404,19 @@ TEST(Seldom, RepeatsAnOutputAfterTheClockSteppedBack) {
         bench.now_us += 1;
         EXPECT_TRUE(bench.poll());
         bench.pump();
-        EXPECT_EQ(i, robot.output_commands.size());
+        EXPECT_EQ(i, bench.robot.output_commands.size());
     }
 }
 
 TEST(Seldom, AClockThatStepsBackEndsNoRelocalization) {
     ScriptedRobot robot;
     robot.replace_silent = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
     bench.run(200 * ms);
     bench.skew_us -= 900000000;
     bench.run(500 * ms);
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result) << "it has its two seconds";
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, bench.facts().relocalize_result) << "it has its two seconds";
     const std::size_t before = robot.seen(ROBUROC4_ACTION_REPLACE).size();
     bench.run(1500 * ms);
     EXPECT_EQ(ROBUROC4_ERR_TIMEOUT, bench.facts().relocalize_result);
@@ -465,8 +431,7 @@ TEST(Seldom, AClockThatStepsBackDoesNotHurryDiscovery) {
     std::swap(robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).id,
               robot.service(ROBUROC4_SERVICE_TELEMETER).id);
     robot.texts_silent = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     bench.run(300 * ms);
     bench.skew_us -= 900000000;
     bench.run(300 * ms);
@@ -483,8 +448,7 @@ TEST(Seldom, AStatusFromBeforeAClockStepIsNeverRecentAgain) {
     for (const bool card : {false, true}) {
         SCOPED_TRACE(card);
         ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench(robot);
         robot.service(card ? ROBUROC4_SERVICE_IOCARD : ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
         bench.skew_us -= 2000000;
         bench.run(100 * ms);
@@ -521,11 +485,9 @@ TEST(Seldom, APauseOfAnyLengthEndsDriving) {
     for (const std::uint64_t pause_us : {1ULL << 30, 1ULL << 31, 3ULL << 30, 1ULL << 32,
                                          (1ULL << 32) + 20 * ms, 5ULL << 32, 1ULL << 40}) {
         SCOPED_TRACE(pause_us);
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench;
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 100 * ms));
-        robot.powered = false;
+        bench.robot.powered = false;
         bench.now_us += pause_us;
         EXPECT_EQ(0, bench.facts().driving);
         EXPECT_EQ(1, bench.facts().lapsed);
@@ -546,8 +508,7 @@ TEST(Seldom, NeitherAClockThatStepsBackNorALossChangesAValue) {
         ScriptedRobot robot;
         robot.digital = 0x20003;
         robot.pose = {1.5, -2.5, 3.125};
-        Bench bench(robot);
-        bench.ready();
+        Ready bench(robot);
         roburoc4_private_values before = bench.client.private_values;
         robot.powered = false;
         if (loss) {
@@ -563,8 +524,7 @@ TEST(Seldom, NeitherAClockThatStepsBackNorALossChangesAValue) {
 }
 
 TEST(Seldom, AnEmptyDatagramIsShortWhateverStandsWhereItWouldBegin) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_start(&bench.client, bench.client_us()));
     ASSERT_TRUE(bench.poll()); /* a question is open, which an error telegram would end */
     roburoc4_client before = bench.client;
@@ -582,8 +542,7 @@ TEST(Seldom, EveryDroppedDatagramIsCountedOnceByItsCause) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.subscriptions &= ~(1U << ROBUROC4_SERVICE_BATTERY);
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(robot, config);
     const auto counts = [&] {
         std::array<std::uint32_t, ROBUROC4_COUNTERS> all{};
         for (std::uint32_t i = 0; i < ROBUROC4_COUNTERS; i++)
@@ -604,8 +563,8 @@ TEST(Seldom, EveryDroppedDatagramIsCountedOnceByItsCause) {
           Case{Bytes(status.begin(), status.end() - 1), ROBUROC4_ERR_SHORT, ROBUROC4_COUNT_SHORT},
           Case{{9, 0, 0, 0, 0}, ROBUROC4_ERR_UNMATCHED, ROBUROC4_COUNT_UNMATCHED},
           Case{{0}, ROBUROC4_ERR_UNMATCHED, ROBUROC4_COUNT_UNMATCHED},
-          Case{robot.status(ROBUROC4_SERVICE_BATTERY), ROBUROC4_ERR_UNSUBSCRIBED,
-               ROBUROC4_COUNT_UNSUBSCRIBED},
+          Case{robot.status(ROBUROC4_SERVICE_BATTERY), ROBUROC4_ERR_UNEXPECTED_STATUS,
+               ROBUROC4_COUNT_UNEXPECTED_STATUS},
           Case{longer, 1, ROBUROC4_COUNT_SURPLUS},
           Case{status, ROBUROC4_ERR_OLD, ROBUROC4_COUNT_OLD}}) {
         SCOPED_TRACE(to_hex(c.datagram));
@@ -650,8 +609,7 @@ TEST(Seldom, AnotherCardHasOtherTextsAndTheSameServices) {
             return words[index - 10];
         return tells && io_type == ROBUROC4_IO_ANALOG_INPUT && index == 7 ? "Battery voltage" : "";
     };
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     const auto roles = [&] {
         std::array<roburoc4_result, ROBUROC4_ROLE_COUNT> all{};
         for (std::uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++)
@@ -670,5 +628,5 @@ TEST(Seldom, AnotherCardHasOtherTextsAndTheSameServices) {
         asked.emplace(r.what.service, r.what.io_type, r.what.index);
     EXPECT_EQ(9U + 2U + 22U + 9U, asked.size());
     EXPECT_EQ(ROBUROC4_SERVICE_IOCARD, std::get<0>(*asked.begin())) << "and none of the directory";
-    EXPECT_EQ((std::array<roburoc4_result, 4>{ROBUROC4_ERR_UNKNOWN, 0, 1, 2}), roles());
+    EXPECT_EQ((std::array<roburoc4_result, 4>{ROBUROC4_ERR_NOT_KNOWN, 0, 1, 2}), roles());
 }

@@ -29,20 +29,17 @@ void expect_every_service(const Bench &bench, const std::vector<int> &ids) {
 } // namespace
 
 TEST(ServiceId, FirstTwoAreFixed) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     EXPECT_EQ(0, id_of(bench, 0));
     EXPECT_EQ(1, id_of(bench, 1));
     for (std::uint32_t service = 2; service < 12; service++)
-        EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, id_of(bench, service));
+        EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, id_of(bench, service));
 }
 
 TEST(ServiceId, OfANumberThatIsNotAServiceIsUnknown) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     for (const std::uint32_t service : {7U, 8U, 31U, 32U, 34U, 38U, UINT32_MAX})
-        EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, id_of(bench, service)) << service;
+        EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, id_of(bench, service)) << service;
 }
 
 TEST(ServiceId, IsIdentifiedByTypeCodeIfKnown) {
@@ -52,8 +49,7 @@ TEST(ServiceId, IsIdentifiedByTypeCodeIfKnown) {
         s.id = static_cast<std::uint16_t>(ids[s.kind]);
         s.text = s.kind == ROBUROC4_SERVICE_BATTERY ? "Battery" : "nonsense";
     }
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     expect_every_service(bench, ids);
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
@@ -65,8 +61,7 @@ TEST(ServiceId, TypeCodeBeatsTextAndText) {
     robot.service(ROBUROC4_SERVICE_LOCALIZATION).text = "Differential drive";
     robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).text = "Localization";
     robot.services.push_back({0x7100, 90, 99, "Localization"});
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     expect_every_service(bench, {0, 1, 2, 3, 4, 5, 6});
 }
 
@@ -74,8 +69,7 @@ TEST(ServiceId, TextBeatsTheManualsId) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_BATTERY).id = 40;
     robot.services.push_back({0x7777, ROBUROC4_SERVICE_BATTERY, 99, "nonsense"});
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     expect_every_service(bench, {0, 1, 2, 3, 40, 5, 6});
 }
 
@@ -90,8 +84,8 @@ TEST(ServiceId, IsIdentifiedByTextIfTheTypeIsUnknown) {
         s.id = static_cast<std::uint16_t>(ids[s.kind]);
         s.text = texts[s.kind];
     }
-    Bench bench(robot);
-    bench.ready();
+    robot.services.insert(robot.services.begin() + 2, {0x7123, 90, 99, "Flattery"});
+    Ready bench(robot);
     expect_every_service(bench, ids);
 }
 
@@ -99,8 +93,7 @@ TEST(ServiceId, IsTheManualsIfTheRobotRefusesItsTexts) {
     ScriptedRobot robot;
     forget_types(robot);
     robot.texts_refused = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     expect_every_service(bench, {0, 1, 2, 3, 4, 5, 6});
 }
 
@@ -109,9 +102,8 @@ TEST(ServiceId, IsTheManualsOnlyIfTheDirectoryListsIt) {
     forget_types(robot);
     robot.texts_refused = true;
     robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).id = 60;
-    Bench bench(robot);
-    bench.ready();
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, id_of(bench, ROBUROC4_SERVICE_DIFFERENTIAL));
+    Ready bench(robot);
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, id_of(bench, ROBUROC4_SERVICE_DIFFERENTIAL));
     EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.arm());
     EXPECT_EQ(0U, bench.commands().size());
 }
@@ -121,9 +113,8 @@ TEST(ServiceId, IsNotTheManualsIfAnotherServiceClaimsTheId) {
         ScriptedRobot robot;
         robot.remove(ROBUROC4_SERVICE_DIFFERENTIAL);
         robot.services.push_back({static_cast<std::uint16_t>(type), 6, 99, "Differential"});
-        Bench bench(robot);
-        bench.ready();
-        EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, id_of(bench, ROBUROC4_SERVICE_DIFFERENTIAL)) << type;
+        Ready bench(robot);
+        EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, id_of(bench, ROBUROC4_SERVICE_DIFFERENTIAL)) << type;
     }
 }
 
@@ -131,8 +122,7 @@ TEST(ServiceId, OfTwoClaimantsByTypeIsTheManualsOne) {
     ScriptedRobot robot;
     robot.services.insert(robot.services.begin() + 2,
                           {ROBUROC4_TYPE_DIFFERENTIAL, 90, 99, "Differential"});
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ(6, id_of(bench, ROBUROC4_SERVICE_DIFFERENTIAL));
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }
@@ -141,8 +131,7 @@ TEST(ServiceId, OfTwoOtherClaimantsIsTheFirst) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).id = 50;
     robot.services.push_back({ROBUROC4_TYPE_DIFFERENTIAL, 40, 99, "Differential"});
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ(50, id_of(bench, ROBUROC4_SERVICE_DIFFERENTIAL));
 }
 
@@ -151,9 +140,8 @@ TEST(ServiceId, DirectoryAndNotificationAreNeverMistakenForOthers) {
     robot.services[0].type = ROBUROC4_TYPE_DIFFERENTIAL;
     robot.services[1].text = "Differential";
     robot.remove(ROBUROC4_SERVICE_DIFFERENTIAL);
-    Bench bench(robot);
-    bench.ready();
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, id_of(bench, ROBUROC4_SERVICE_DIFFERENTIAL));
+    Ready bench(robot);
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, id_of(bench, ROBUROC4_SERVICE_DIFFERENTIAL));
     bench.pause();
     bench.run(second);
     EXPECT_EQ(0U, bench.commands().size());
@@ -164,8 +152,7 @@ TEST(ServiceId, IsCorrectedByALateText) {
     forget_types(robot);
     robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).id = 60;
     robot.texts_silent = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 3 * second));
     robot.texts_silent = false;
     ASSERT_TRUE(
@@ -175,16 +162,31 @@ TEST(ServiceId, IsCorrectedByALateText) {
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }
 
-TEST(ServiceList, ReturnsTheDirectory) {
+TEST(Safety, AServiceIsNotGuessedWhileItsTextIsMissing) {
     ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    forget_types(robot);
+    std::swap(robot.service(ROBUROC4_SERVICE_TELEMETER).id,
+              robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).id);
+    robot.texts_silent = true;
+    Started bench(robot);
+    for (int i = 0; i < 200; i++) {
+        bench.stop();
+        bench.run(100 * ms);
+    }
+    EXPECT_EQ(0U, bench.commands().size());
+    robot.texts_silent = false; /* they are requested again */
+    EXPECT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }));
+    EXPECT_EQ(ROBUROC4_SERVICE_TELEMETER, id_of(bench, ROBUROC4_SERVICE_DIFFERENTIAL));
+}
+
+TEST(ServiceList, ReturnsTheDirectory) {
+    Ready bench;
     ASSERT_EQ(7U, service_count(&bench.client));
     roburoc4_directory_entry entry{7, 7};
     for (std::uint32_t i = 0; i < 7; i++) {
         ASSERT_EQ(ROBUROC4_OK, roburoc4_client_service_at(&bench.client, i, &entry));
-        EXPECT_EQ(robot.services[i].type, entry.type) << i;
-        EXPECT_EQ(robot.services[i].id, entry.id) << i;
+        EXPECT_EQ(bench.robot.services[i].type, entry.type) << i;
+        EXPECT_EQ(bench.robot.services[i].id, entry.id) << i;
     }
     for (const std::uint32_t beyond : {7U, 8U, 32U, UINT32_MAX})
         EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_client_service_at(&bench.client, beyond, &entry));
@@ -195,8 +197,7 @@ TEST(ServiceList, ReturnsTheDirectory) {
 TEST(OtherRobot, WithNineDifferentialPropertiesIsNeverCommanded) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_length = 5 + 9 * 4;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.arm());
     EXPECT_LT(bench.drive(1, 0), 0);
     EXPECT_EQ(ROBUROC4_OK, bench.pause());
@@ -209,8 +210,7 @@ TEST(OtherRobot, WithNineDifferentialPropertiesIsNeverCommanded) {
 TEST(OtherRobot, WhosePropertiesBecomeShortIsStoppedAtTheSameId) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).id = 66;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench(robot);
     robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_length = 5 + 9 * 4;
     const std::uint64_t start_us = bench.now_us;
     while (bench.facts().armed == 1 && bench.now_us < start_us + 10 * second) {
@@ -231,8 +231,7 @@ TEST(OtherRobot, WhosePropertiesBecomeShortIsStoppedAtTheSameId) {
 TEST(OtherRobot, WithoutDifferentialServiceIsMonitored) {
     ScriptedRobot robot;
     robot.remove(ROBUROC4_SERVICE_DIFFERENTIAL);
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.arm());
     EXPECT_GT(bench.service_link(ROBUROC4_SERVICE_BATTERY).received, 0U);
 }
@@ -243,8 +242,7 @@ TEST(Capacity, ARobotThatClaimsTwoBillionInputsCostsNothing) {
     ScriptedRobot robot;
     robot.iocard = {INT32_MAX, INT32_MAX, INT32_MAX, INT32_MAX, 0, 0};
     robot.service(ROBUROC4_SERVICE_IOCARD).mute = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, second));
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
     roburoc4_iocard_properties properties;
@@ -265,8 +263,7 @@ TEST(Capacity, InputsBeyondAreReportedAndNotStored) {
     robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &) {
         return r.action == ROBUROC4_ACTION_INSERT && r.subject == ROBUROC4_SERVICE_IOCARD;
     };
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until(
         [&] { return !robot.seen(ROBUROC4_ACTION_INSERT, ROBUROC4_SERVICE_IOCARD).empty(); }));
     std::array<std::uint8_t, 9> blocks{1, 0, 0, 0, 0, 0, 0, 0x80, 0x3F};
@@ -288,8 +285,7 @@ TEST(Capacity, ServicesBeyondAreReportedAndNotStored) {
     ScriptedRobot robot;
     for (std::uint16_t i = 0; i < 33; i++)
         robot.services.push_back({0x1111, static_cast<std::uint16_t>(100 + i), 99, "spare"});
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, second));
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
     EXPECT_EQ(16U, service_count(&bench.client));
@@ -304,8 +300,7 @@ TEST(Capacity, TelemetersBeyondAreReportedOnceAndNotStored) {
     robot.telemeters.resize(9, robot.telemeters[1]);
     robot.distances.assign(9, 4.5F);
     robot.distances[ROBUROC4_MAX_TELEMETERS - 1] = 0.5F;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, second));
     bench.run(200 * ms);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);

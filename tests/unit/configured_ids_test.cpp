@@ -58,19 +58,16 @@ TEST(ConfiguredIds, GoBeforeTypesAndTexts) {
     robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_silent = true;
     roburoc4_config config = default_config();
     config.differential_id = 9;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(robot, config);
     EXPECT_EQ(9, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_DIFFERENTIAL));
     EXPECT_TRUE(robot.seen(ROBUROC4_ACTION_GET, 6).empty());
 }
 
 TEST(ConfiguredIds, ThatTheDirectoryDoesNotListAreNoService) {
-    ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.differential_id = 77;
-    Bench bench(robot, config);
-    bench.ready();
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
+    Ready bench(config);
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN,
               roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_DIFFERENTIAL));
     EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.arm());
     EXPECT_EQ(1U << ROBUROC4_SERVICE_DIFFERENTIAL, bench.facts().missing);
@@ -84,8 +81,7 @@ TEST(ConfiguredIds, StillRequireFullPropertiesAndLimits) {
         config.iocard_id = 52;
         config.differential_id = cut ? 56 : 54; /* 54 is the battery */
         robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_length = cut ? 40 : 0;
-        Bench bench(robot, config);
-        bench.ready();
+        Ready bench(robot, config);
         EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.arm()) << cut;
         ASSERT_EQ(ROBUROC4_OK, bench.stop());
         bench.run(3 * second);

@@ -103,7 +103,7 @@ TEST_F(Discovery, OfAnotherCardForgetsTheTextsOfTheFirst) {
     for (std::uint32_t i = 0; i < ROBUROC4_DI_COUNT; i++) {
         text(i, "spare");
     }
-    EXPECT_EQ(pad(), ROBUROC4_ERR_UNKNOWN) << "neither named nor refused by this card";
+    EXPECT_EQ(pad(), ROBUROC4_ERR_NOT_KNOWN) << "neither named nor refused by this card";
     bool certain = true;
     roburoc4_discovery_bumper(&d_, &config_, counts_, ROBUROC4_ROLE_FRONT_BUMPER, &certain);
     EXPECT_FALSE(certain);
@@ -131,7 +131,7 @@ TEST_F(Discovery, ATextThatIsReadTwiceIsNotAmbiguous) {
     text(8, "Game pad A");
     EXPECT_EQ(pad(), 8);
     text(9, "Gamepad A");
-    EXPECT_EQ(pad(), ROBUROC4_ERR_UNKNOWN);
+    EXPECT_EQ(pad(), ROBUROC4_ERR_NOT_KNOWN);
 }
 
 TEST_F(Discovery, OnlyTheIdThatWasSetMayDrive) {

@@ -60,9 +60,7 @@ TEST(Arm, OnlyTransientReasonsAreWorthWaitingFor) {
 }
 
 TEST(Arm, IsPossibleWhenAllConditionsHold) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     EXPECT_EQ(0, bench.facts().armed);
     EXPECT_EQ(ROBUROC4_ERR_DISARMED, bench.facts().disarm_cause);
     EXPECT_EQ(ROBUROC4_OK, bench.facts().arm_refusal);
@@ -75,8 +73,7 @@ TEST(Arm, IsPossibleWhenAllConditionsHold) {
 }
 
 TEST(Drive, WhileDisarmedIsAnErrorAndStoresNothing) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     EXPECT_EQ(ROBUROC4_ERR_DISARMED, bench.drive(0.5F, 0));
     bench.ready();
     EXPECT_EQ(ROBUROC4_ERR_DISARMED, bench.drive(0.5F, 0, 1000000));
@@ -103,9 +100,7 @@ static bool tells_armable(Bench &bench, std::uint64_t within_us = 5 * second) {
 }
 
 TEST(Armable, IsReportedWhenArmingBecomesPossibleUnlikeReady) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.start();
+    Started bench;
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     EXPECT_LT(bench.arm(), 0);
     ASSERT_TRUE(tells_armable(bench));
@@ -116,30 +111,26 @@ TEST(Armable, IsReportedWhenArmingBecomesPossibleUnlikeReady) {
 }
 
 TEST(Armable, IsReportedAgainAfterEachRefusalAndDisarm) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     bench.stop();
     ASSERT_TRUE(tells_armable(bench)) << "disarmed by the program";
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
-    robot.digital = std::uint64_t{1} << ROBUROC4_DI_PAD_A;
+    bench.robot.digital = std::uint64_t{1} << ROBUROC4_DI_PAD_A;
     bench.run(200 * ms);
     EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, bench.arm());
     EXPECT_FALSE(tells_armable(bench, 2 * second));
-    robot.digital = 0;
+    bench.robot.digital = 0;
     ASSERT_TRUE(tells_armable(bench)) << "the pad was released";
-    robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
+    bench.robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
     bench.run(400 * ms);
     EXPECT_EQ(ROBUROC4_ERR_STALE_DIFFERENTIAL, bench.arm());
-    robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = false;
+    bench.robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = false;
     ASSERT_TRUE(tells_armable(bench)) << "statuses come again";
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }
 
 TEST(Armable, ATimeFromBeforeAnotherCallDisarms) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     const std::uint64_t before_us = bench.client_us();
     bench.run(50 * ms);
     EXPECT_EQ(ROBUROC4_ERR_CLOCK, roburoc4_client_drive(&bench.client, 0.5F, 0, 0, before_us));
@@ -149,9 +140,7 @@ TEST(Armable, ATimeFromBeforeAnotherCallDisarms) {
 /* ---- refused, each reason alone ---- */
 
 TEST(Arm, TwiceIsOneEvent) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    ASSERT_NO_FATAL_FAILURE(bench.ready());
+    Ready bench;
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_EVENT_ARMED), bench.take_events());
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
@@ -162,10 +151,9 @@ TEST(Arm, TwiceIsOneEvent) {
 }
 
 TEST(ArmRefused, BeforeReady) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     EXPECT_EQ(ROBUROC4_ERR_NOT_READY, bench.arm());
-    robot.powered = false;
+    bench.robot.powered = false;
     bench.start();
     expect_refused(bench, ROBUROC4_ERR_NOT_READY);
 }
@@ -173,8 +161,7 @@ TEST(ArmRefused, BeforeReady) {
 TEST(ArmRefused, WithoutDifferentialProperties) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_refused = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     expect_refused(bench, ROBUROC4_ERR_NO_DIFFERENTIAL);
 }
 
@@ -190,8 +177,7 @@ TEST(ArmRefused, WithLimitsThatAreNotUsable) {
         SCOPED_TRACE(i);
         ScriptedRobot robot;
         bad[i](robot.differential);
-        Bench bench(robot);
-        bench.ready();
+        Ready bench(robot);
         expect_refused(bench, ROBUROC4_ERR_LIMITS);
     }
 }
@@ -204,25 +190,20 @@ TEST(Arm, RequiresOnlyLimitsOfSpeed) {
     robot.differential.width_m = nan;
     robot.differential.target_linear_m_s = robot.differential.current_linear_m_s = nan;
     robot.differential.target_angular_rad_s = robot.differential.current_angular_rad_s = nan;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }
 
 TEST(ArmRefused, WithoutAFreshDifferentialStatus) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
-    robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
+    Ready bench;
+    bench.robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
     bench.run(400 * ms);
     expect_refused(bench, ROBUROC4_ERR_STALE_DIFFERENTIAL);
 }
 
 TEST(ArmRefused, WithoutAFreshIoCardStatus) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
-    robot.service(ROBUROC4_SERVICE_IOCARD).mute = true;
+    Ready bench;
+    bench.robot.service(ROBUROC4_SERVICE_IOCARD).mute = true;
     bench.run(400 * ms);
     expect_refused(bench, ROBUROC4_ERR_STALE_IOCARD);
 }
@@ -238,7 +219,7 @@ TEST(ArmRefused, OnStatusesFromBeforeTheClientWasStartedAgain) {
     bench.drop_to_client = [](const Bytes &bytes) { return bytes[0] == ROBUROC4_HEADER_STATUS; };
     bench.start();
     ASSERT_TRUE(bench.run_until([&] { return roburoc4_client_service_id(&bench.client, 6) > 0; }));
-    EXPECT_EQ(ROBUROC4_ERR_UNSUBSCRIBED, bench.receive(robot.status_at(6, robot.cycles())));
+    EXPECT_EQ(ROBUROC4_ERR_UNEXPECTED_STATUS, bench.receive(robot.status_at(6, robot.cycles())));
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     for (const std::uint16_t service : needed)
         EXPECT_EQ(ROBUROC4_OK, bench.receive(robot.status_at(service, robot.cycles() - held_back)));
@@ -254,8 +235,7 @@ TEST(ArmRefused, WithoutTheSubscriptionsThatDrivingNeeds) {
         robot.service(ROBUROC4_SERVICE_BATTERY).insert_refused = true; /* not what is reported */
         roburoc4_config config = default_config();
         config.subscriptions &= ~(1U << service);
-        Bench bench(robot, config);
-        bench.ready();
+        Ready bench(robot, config);
         expect_refused(bench,
                        service == 2 ? ROBUROC4_ERR_STALE_IOCARD : ROBUROC4_ERR_STALE_DIFFERENTIAL);
     }
@@ -265,8 +245,7 @@ TEST(ArmRefused, WithAnUnknownOverride) {
     ScriptedRobot robot;
     robot.iocard.digital_inputs = 4;
     robot.texts_refused = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ(0, bench.facts().override_known);
     expect_refused(bench, ROBUROC4_ERR_OVERRIDE_UNKNOWN);
 }
@@ -274,8 +253,7 @@ TEST(ArmRefused, WithAnUnknownOverride) {
 TEST(ArmRefused, WhileOverridden) {
     ScriptedRobot robot;
     robot.press(ROBUROC4_DI_PAD_A);
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ(1, bench.facts().overridden);
     expect_refused(bench, ROBUROC4_ERR_OVERRIDE);
 }
@@ -283,8 +261,7 @@ TEST(ArmRefused, WhileOverridden) {
 TEST(ArmRefused, WhileAnotherClientCommands) {
     ScriptedRobot robot;
     robot.target_linear = 0.5F;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ(1, bench.facts().other_commander);
     expect_refused(bench, ROBUROC4_ERR_OTHER_COMMANDER);
 }
@@ -294,8 +271,7 @@ TEST(ArmRefused, WhileItMovesUnasked) {
         ScriptedRobot robot;
         robot.follows = false;
         (axis == 0 ? robot.current_linear : robot.current_angular) = -0.5F;
-        Bench bench(robot);
-        bench.ready();
+        Ready bench(robot);
         expect_refused(bench, ROBUROC4_ERR_MOVING);
     }
 }
@@ -303,12 +279,10 @@ TEST(ArmRefused, WhileItMovesUnasked) {
 TEST(ArmRefused, WhileItsOwnLastTargetIsStillShown) {
     for (int axis = 0; axis < 2; axis++) {
         SCOPED_TRACE(axis);
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
-        robot.follows = false; /* the wheels are held */
-        (axis == 0 ? robot.target_linear : robot.target_angular) = 0.5F;
-        ASSERT_EQ(ROBUROC4_OK, bench.drive(robot.target_linear, robot.target_angular));
+        Armed bench;
+        bench.robot.follows = false; /* the wheels are held */
+        (axis == 0 ? bench.robot.target_linear : bench.robot.target_angular) = 0.5F;
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(bench.robot.target_linear, bench.robot.target_angular));
         bench.run(100 * ms);
         ASSERT_EQ(ROBUROC4_OK, roburoc4_client_stop(&bench.client, bench.client_us()));
         EXPECT_EQ(ROBUROC4_ERR_MOVING, bench.arm());
@@ -328,8 +302,7 @@ TEST(ArmRefused, FromATenthOfAMetreOrTwoTenthsOfARadianPerSecondOn) {
         robot.follows = false;
         robot.current_linear = speed.linear;
         robot.current_angular = speed.angular;
-        Bench bench(robot);
-        bench.ready();
+        Ready bench(robot);
         EXPECT_EQ(speed.stands ? ROBUROC4_OK : ROBUROC4_ERR_MOVING, bench.arm());
     }
 }
@@ -337,27 +310,24 @@ TEST(ArmRefused, FromATenthOfAMetreOrTwoTenthsOfARadianPerSecondOn) {
 TEST(ArmRefused, WhileItReportsASpeedThatIsNotFinite) {
     ScriptedRobot robot;
     robot.current_linear = nan_f;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     expect_refused(bench, ROBUROC4_ERR_MOVING);
 }
 
 /* ---- lost while armed ---- */
 
 TEST(Disarms, WhenTheDifferentialStatusesStop) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     expect_disarmed(
         bench, ROBUROC4_ERR_STALE_DIFFERENTIAL,
-        [&] { robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true; }, 300 * ms);
+        [&] { bench.robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true; }, 300 * ms);
 }
 
 TEST(Disarms, WhenTheIoCardStatusesStop) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     expect_disarmed(
         bench, ROBUROC4_ERR_STALE_IOCARD,
-        [&] { robot.service(ROBUROC4_SERVICE_IOCARD).mute = true; }, 300 * ms);
+        [&] { bench.robot.service(ROBUROC4_SERVICE_IOCARD).mute = true; }, 300 * ms);
 }
 
 TEST(Disarms, ExactlyWhenAStatusIsTooOld) {
@@ -369,10 +339,8 @@ TEST(Disarms, ExactlyWhenAStatusIsTooOld) {
             config.fresh_ms = fresh_ms;
             config.period_ms[ROBUROC4_SERVICE_IOCARD] = 10;
             config.period_ms[ROBUROC4_SERVICE_DIFFERENTIAL] = 10;
-            ScriptedRobot robot;
-            Bench bench(robot, config);
-            bench.armed();
-            robot.service(service).mute = true;
+            Armed bench(config);
+            bench.robot.service(service).mute = true;
             const std::uint64_t too_old_us =
                 bench.now_us - bench.service_link(service).age_us + fresh_ms * ms;
             bench.run_to(too_old_us - 1);
@@ -385,17 +353,14 @@ TEST(Disarms, ExactlyWhenAStatusIsTooOld) {
 }
 
 TEST(Disarms, OnTheStatusThatShowsTheOverride) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     expect_disarmed(
-        bench, ROBUROC4_ERR_OVERRIDE, [&] { robot.press(ROBUROC4_DI_PAD_A); }, 50 * ms);
+        bench, ROBUROC4_ERR_OVERRIDE, [&] { bench.robot.press(ROBUROC4_DI_PAD_A); }, 50 * ms);
 }
 
 TEST(Disarms, NotWhenAnotherButtonIsPressed) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
-    robot.digital = 0x3FFFFF & ~(1U << ROBUROC4_DI_PAD_A);
+    Armed bench;
+    bench.robot.digital = 0x3FFFFF & ~(1U << ROBUROC4_DI_PAD_A);
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.25F, 0, second));
     EXPECT_EQ(1, bench.facts().armed);
 }
@@ -404,38 +369,32 @@ TEST(Disarms, WhenTheRobotIsLost) {
     roburoc4_config config = default_config();
     config.fresh_ms = 1000;
     config.lost_ms = 300;
-    ScriptedRobot robot;
-    Bench bench(robot, config);
+    RobotBench bench(config);
     expect_disarmed(
-        bench, ROBUROC4_ERR_LOST, [&] { robot.powered = false; }, 310 * ms);
+        bench, ROBUROC4_ERR_LOST, [&] { bench.robot.powered = false; }, 310 * ms);
 }
 
 TEST(Disarms, OnAReboot) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     expect_disarmed(
         bench, ROBUROC4_ERR_REBOOT,
         [&] {
             for (std::uint64_t i = 0; i < 3; i++)
-                bench.receive(robot.status_at(6, robot.cycles() - 500 + i));
+                bench.receive(bench.robot.status_at(6, bench.robot.cycles() - 500 + i));
         },
         1);
 }
 
 TEST(Disarms, WhenTheLimitsBecomeUnusable) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
-    robot.differential.max_linear_m_s = nan_f;
+    Armed bench;
+    bench.robot.differential.max_linear_m_s = nan_f;
     EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 10 * second));
     EXPECT_EQ(ROBUROC4_ERR_LIMITS, bench.facts().disarm_cause);
 }
 
 TEST(Disarms, WhenTheDirectoryChanges) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
-    robot.services.push_back({0x1111, 99, 99, "new"});
+    Armed bench;
+    bench.robot.services.push_back({0x1111, 99, 99, "new"});
     EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 10 * second));
     EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.facts().disarm_cause);
 }
@@ -451,8 +410,7 @@ TEST(Disarms, WhenAnotherClientCommands) {
 TEST(Disarms, OnTheThirdStatusOfAnotherCommander) {
     ScriptedRobot robot;
     robot.follows = false;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench(robot);
     robot.target_linear = -1.5F;
     for (std::uint64_t i = 1; i <= 3; i++) {
         EXPECT_EQ(1, bench.facts().armed) << i;
@@ -462,8 +420,7 @@ TEST(Disarms, OnTheThirdStatusOfAnotherCommander) {
 }
 
 TEST(Disarms, WhenTheInputOfTheOverrideIsChanged) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     expect_disarmed(
         bench, ROBUROC4_ERR_OVERRIDE_UNKNOWN,
         [&] {
@@ -489,9 +446,7 @@ TEST(Disarms, InWhicheverCallComesFirst) {
     };
     for (std::size_t i = 0; i < calls.size(); i++) {
         SCOPED_TRACE(i);
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench;
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0.25F, 0, 1000000));
         bench.pump();
         bench.take_events();
@@ -516,8 +471,7 @@ TEST(Disarms, WhenALateTextFindsTheOverride) {
     };
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
-    Bench bench(robot, config);
-    bench.start();
+    Started bench(robot, config);
     ASSERT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }));
     silent = false;
     EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 10 * second));
@@ -539,8 +493,7 @@ TEST(Disarms, WithZerosAtOnceWhenDriveNoticesIt) {
     };
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
-    Bench bench(robot, config);
-    bench.start();
+    Started bench(robot, config);
     ASSERT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }, 600 * second));
     silent = false;
     asked = 0;
@@ -575,8 +528,7 @@ TEST(Disarms, WhenALateTextNamesAnotherService) {
     bool silent = true;
     keep_battery_nameless(robot, silent);
     robot.services.push_back({0x7100, 50, 99, "Battery"});
-    Bench bench(robot);
-    bench.armed();
+    Armed bench(robot);
     ASSERT_EQ(50, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_BATTERY));
     silent = false;
     EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 20 * second));
@@ -592,9 +544,8 @@ TEST(Armed, StaysWhenALateTextAddsAService) {
     ScriptedRobot robot;
     bool silent = true;
     keep_battery_nameless(robot, silent);
-    Bench bench(robot);
-    bench.armed();
-    ASSERT_EQ(ROBUROC4_ERR_UNKNOWN,
+    Armed bench(robot);
+    ASSERT_EQ(ROBUROC4_ERR_NOT_KNOWN,
               roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_BATTERY));
     silent = false;
     roburoc4_battery_status status;
@@ -617,8 +568,7 @@ TEST(UnknownOverride, CanBeAllowed) {
         } else {
             robot.remove(ROBUROC4_SERVICE_IOCARD);
         }
-        Bench bench(robot, config);
-        bench.ready();
+        Ready bench(robot, config);
         EXPECT_EQ(ROBUROC4_OK, bench.arm()) << robot_kind;
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
         EXPECT_EQ(0.5F, robot.target_linear);
@@ -626,9 +576,8 @@ TEST(UnknownOverride, CanBeAllowed) {
     config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
     ScriptedRobot robot;
     robot.remove(ROBUROC4_SERVICE_IOCARD);
-    Bench bench(robot, config);
-    bench.ready();
-    EXPECT_EQ(ROBUROC4_ERR_NOT_SUBSCRIBED, bench.arm()) << "but not of an input that was set";
+    Ready bench(robot, config);
+    EXPECT_EQ(ROBUROC4_ERR_SUBSCRIPTION_REFUSED, bench.arm()) << "but not of an input that was set";
 }
 
 /* There may be a card of unknown type with another id than the manual's, until texts are read. */
@@ -639,8 +588,7 @@ TEST(UnknownOverride, IsNotAllowedWhileAServiceIsNotKnown) {
     robot.service(ROBUROC4_SERVICE_IOCARD).type = 0x7100;
     robot.service(ROBUROC4_SERVICE_IOCARD).id = 20;
     robot.texts_silent = true;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(robot, config);
     EXPECT_EQ(ROBUROC4_ERR_STALE_IOCARD, bench.arm());
     bench.run(20 * second); /* they were given up */
     EXPECT_EQ(ROBUROC4_ERR_STALE_IOCARD, bench.arm());
@@ -662,8 +610,7 @@ TEST(UnknownOverride, IsNotAllowedWhereATextNamesIt) {
         robot.instead = [&](const roburoc4_request &request, std::vector<Bytes> &) {
             return !doubly && request.action == ROBUROC4_ACTION_QUERY && request.index == 5;
         };
-        Bench bench(robot, config);
-        bench.ready();
+        Ready bench(robot, config);
         bench.run(60 * second);
         EXPECT_EQ(1, bench.facts().descriptions_done);
         EXPECT_EQ(ROBUROC4_ERR_OVERRIDE_UNKNOWN, bench.arm()) << doubly;
@@ -674,11 +621,9 @@ TEST(UnknownOverride, IsNotAllowedIfTheCardThatWasSetIsNotListed) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
     config.iocard_id = 9;
-    ScriptedRobot robot;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(config);
     bench.run(20 * second);
-    EXPECT_EQ(ROBUROC4_ERR_NOT_SUBSCRIBED, bench.arm());
+    EXPECT_EQ(ROBUROC4_ERR_SUBSCRIPTION_REFUSED, bench.arm());
 }
 
 TEST(UnknownOverride, IsNotAllowedWhereNotEverythingCanBeLookedAt) {
@@ -703,8 +648,7 @@ TEST(UnknownOverride, IsNotAllowedWhereNotEverythingCanBeLookedAt) {
         } else {
             robot.iocard.digital_inputs = 65;
         }
-        Bench bench(robot, config);
-        bench.ready();
+        Ready bench(robot, config);
         bench.run(20 * second);
         EXPECT_GT(0, bench.arm()) << way;
     }
@@ -716,8 +660,7 @@ TEST(UnknownOverride, IsLookedForWhileTheRobotIsDriven) {
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
     ScriptedRobot robot;
     robot.texts_silent = true;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(robot, config);
     ASSERT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }, 600 * second));
     robot.texts_silent = false;
     EXPECT_EQ(ROBUROC4_ERR_OVERRIDE_UNKNOWN, bench.drive_until_refused(0.3F, 0, 60 * second))
@@ -734,8 +677,7 @@ TEST(UnknownOverride, IsNotAllowedBeforeTextsWereRequested) {
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
     ScriptedRobot robot;
     robot.texts_silent = true;
-    Bench bench(robot, config);
-    bench.ready();
+    Ready bench(robot, config);
     expect_refused(bench, ROBUROC4_ERR_OVERRIDE_UNKNOWN);
     ASSERT_TRUE(
         bench.run_until([&] { return bench.facts().descriptions_done == 1; }, 600 * second));
@@ -752,8 +694,7 @@ TEST(UnknownOverride, IsNotAllowedBeforeAListedCardGaveItsCounts) {
         card.get_refused = way == 0;
         card.get_silent = way == 1;
         card.get_length = way == 2 ? 20 : 0;
-        Bench bench(robot, config);
-        bench.ready();
+        Ready bench(robot, config);
         expect_refused(bench, ROBUROC4_ERR_STALE_IOCARD);
     }
 }
@@ -764,25 +705,22 @@ TEST(UnknownOverride, AllowedStillObeysAKnownOverride) {
         roburoc4_config config = default_config();
         config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
         config.role_index[ROBUROC4_ROLE_OVERRIDE] = static_cast<std::int16_t>(input);
-        ScriptedRobot robot;
-        Bench bench(robot, config);
-        bench.armed();
-        robot.press(static_cast<std::uint32_t>(input));
+        Armed bench(config);
+        bench.robot.press(static_cast<std::uint32_t>(input));
         bench.run(60 * ms);
         EXPECT_EQ(0, bench.facts().armed);
         expect_refused(bench, ROBUROC4_ERR_OVERRIDE);
-        robot.service(ROBUROC4_SERVICE_IOCARD).mute = true;
+        bench.robot.service(ROBUROC4_SERVICE_IOCARD).mute = true;
         bench.run(400 * ms);
         EXPECT_EQ(ROBUROC4_ERR_STALE_IOCARD, bench.arm()) << "the robot has a game pad";
     }
 }
 
 TEST(Override, IsNotChangedByALateTextOfTheCardBefore) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     roburoc4_request late{};
-    robot.iocard.digital_inputs = 40;
-    robot.instead = [&](const roburoc4_request &request, std::vector<Bytes> &) {
+    bench.robot.iocard.digital_inputs = 40;
+    bench.robot.instead = [&](const roburoc4_request &request, std::vector<Bytes> &) {
         const bool held = request.action == ROBUROC4_ACTION_QUERY &&
                           request.service == ROBUROC4_SERVICE_IOCARD &&
                           request.io_type == ROBUROC4_IO_DIGITAL_INPUT && request.index == 39;
@@ -792,7 +730,7 @@ TEST(Override, IsNotChangedByALateTextOfTheCardBefore) {
     bench.start();
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     ASSERT_EQ(39, late.index);
-    robot.iocard.digital_inputs = 22;
+    bench.robot.iocard.digital_inputs = 22;
     ASSERT_TRUE(bench.run_until([&] { return bench.facts().override_known == 1; }, 5 * second));
     const std::string text = "Game pad \"A\" button";
     EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive(encoded([&](std::uint8_t *b, std::size_t n) {
@@ -804,21 +742,19 @@ TEST(Override, IsNotChangedByALateTextOfTheCardBefore) {
 TEST(UnknownOverride, IsNotThatOfARemovedCard) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
-    ScriptedRobot robot;
-    Bench bench(robot, config);
-    bench.ready();
-    robot.press(ROBUROC4_DI_PAD_A);
+    Ready bench(config);
+    bench.robot.press(ROBUROC4_DI_PAD_A);
     bench.run(60 * ms);
     ASSERT_EQ(1, bench.facts().overridden);
-    robot.remove(ROBUROC4_SERVICE_IOCARD);
+    bench.robot.remove(ROBUROC4_SERVICE_IOCARD);
     ASSERT_TRUE(bench.run_until(
         [&] { return roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_IOCARD) < 0; }));
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     bench.run(second);
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
-    robot.follows = false;
-    robot.target_linear = -1; /* somebody else's */
+    bench.robot.follows = false;
+    bench.robot.target_linear = -1; /* somebody else's */
     bench.run(second);
     EXPECT_EQ(1, bench.facts().other_commander);
     EXPECT_EQ(ROBUROC4_ERR_OTHER_COMMANDER, bench.facts().disarm_cause);

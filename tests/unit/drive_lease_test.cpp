@@ -22,9 +22,7 @@ std::size_t commands_between(const Bench &bench, std::uint64_t from_us, std::uin
 TEST(Lease, EndsExactlyWhenItsTimeIsOver) {
     for (const std::uint32_t lease_us : {20000U, 20001U, 99999U, 250000U, 1000000U}) {
         SCOPED_TRACE(lease_us);
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench;
         const std::uint64_t granted_us = bench.now_us;
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0.25F, lease_us));
         EXPECT_EQ(lease_us, bench.facts().lease_left_us);
@@ -48,17 +46,13 @@ TEST(Lease, EndsExactlyWhenItsTimeIsOver) {
 TEST(Lease, IsTheConfiguredOneByDefault) {
     roburoc4_config config = default_config();
     config.lease_ms = 777;
-    ScriptedRobot robot;
-    Bench bench(robot, config);
-    bench.armed();
+    Armed bench(config);
     ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
     EXPECT_EQ(777000U, bench.facts().lease_left_us);
 }
 
 TEST(Lease, OutsideItsRangeIsRefusedAndStoresNothing) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     for (const std::uint32_t lease_us : {1U, 19999U, 1000001U, UINT32_MAX}) {
         EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, bench.drive(0.5F, 0, lease_us));
         EXPECT_EQ(0, bench.facts().driving);
@@ -71,9 +65,7 @@ TEST(Lease, RepeatsItsCommandAtThePeriod) {
     for (const std::uint32_t period_ms : {10U, 50U, 120U}) {
         roburoc4_config config = default_config();
         config.drive_period_ms = period_ms;
-        ScriptedRobot robot;
-        Bench bench(robot, config);
-        bench.armed();
+        Armed bench(config);
         const std::uint64_t start_us = bench.now_us;
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, -0.25F, 1000000));
         bench.run(second - 1);
@@ -89,9 +81,7 @@ TEST(Lease, RepeatsItsCommandAtThePeriod) {
 
 TEST(Lease, ThatIsShortIsRepeatedAtAtMostHalfOfIt) {
     for (const std::uint32_t lease_us : {40000U, 75000U}) { /* the period is 50 ms */
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench;
         const std::uint64_t start_us = bench.now_us;
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, lease_us));
         bench.run(39 * ms);
@@ -100,9 +90,7 @@ TEST(Lease, ThatIsShortIsRepeatedAtAtMostHalfOfIt) {
 }
 
 TEST(Lease, RenewalWithTheSameTargetKeepsThePeriod) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     const std::uint64_t start_us = bench.now_us;
     for (int i = 0; i < 1000; i++) {
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
@@ -112,9 +100,7 @@ TEST(Lease, RenewalWithTheSameTargetKeepsThePeriod) {
 }
 
 TEST(Lease, AChangedTargetLeavesAtOnceOrNextCycle) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     const std::uint64_t start_us = bench.now_us;
     ASSERT_EQ(ROBUROC4_OK, bench.drive(0.1F, 0));
     bench.pump();
@@ -137,9 +123,7 @@ TEST(Lease, AChangedTargetLeavesAtOnceOrNextCycle) {
 }
 
 TEST(Lease, ChangeThatIsRenewedBeforeItLeftStillLeavesAtOnce) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_EQ(ROBUROC4_OK, bench.drive(0.1F, 0));
     bench.pump();
     const std::uint64_t start_us = bench.now_us;
@@ -152,9 +136,7 @@ TEST(Lease, ChangeThatIsRenewedBeforeItLeftStillLeavesAtOnce) {
 }
 
 TEST(Lease, CommandsAreNeverWithinACycleWhateverTheTargets) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     for (int i = 0; i < 2000; i++) {
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0.01F * static_cast<float>(i % 100), 0.1F));
         bench.run(700);
@@ -169,9 +151,7 @@ TEST(Lease, ThatIsRenewedForAShorterTimeEndsAfterThat) {
     roburoc4_config config = default_config();
     config.drive_period_ms = 500; /* nothing else is due earlier */
     config.lease_ms = 1000;
-    ScriptedRobot robot;
-    Bench bench(robot, config);
-    bench.armed();
+    Armed bench(config);
     ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 1000 * ms));
     bench.run(15 * ms);
     ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 20 * ms));
@@ -186,9 +166,7 @@ TEST(Lease, ThatIsRenewedForAShorterTimeEndsAfterThat) {
 TEST(Lease, HasNoSpeedAfterItForAnyPollSchedule) {
     for (std::uint64_t period_us = 1 * ms; period_us < 700 * ms; period_us += 13777) {
         for (const std::uint32_t lease_us : {20000U, 250000U, 1000000U}) {
-            ScriptedRobot robot;
-            Bench bench(robot);
-            bench.armed();
+            Armed bench;
             const std::uint64_t granted_us = bench.now_us;
             ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, lease_us));
             for (int i = 0; i < 100 && bench.now_us < granted_us + 2 * second; i++) {
@@ -201,9 +179,7 @@ TEST(Lease, HasNoSpeedAfterItForAnyPollSchedule) {
 }
 
 TEST(Lease, GapBetweenCallsLongerThanItEndsItAndNeverRevivesIt) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
     bench.pump();
     bench.now_us += 260 * ms; /* no call was made: a blocked program, or a machine that slept */
@@ -218,9 +194,7 @@ TEST(Lease, GapBetweenCallsLongerThanItEndsItAndNeverRevivesIt) {
 TEST(Clock, StepBackEndsTheLeaseDisarmsAndNeverRevivesIt) {
     for (const std::int64_t step_us : {-1, -1000, -250000, -1000000, -900000000}) {
         SCOPED_TRACE(step_us);
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench;
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 1000000));
         bench.pump();
@@ -280,8 +254,7 @@ TEST(Clock, StepBackSeenFirstByAnyCallEndsTheLease) {
         SCOPED_TRACE(i);
         ScriptedRobot robot;
         robot.iocard.analog_outputs = 1;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench(robot);
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 1000000));
         bench.pump();
         bench.now_us++;
@@ -304,8 +277,7 @@ TEST(Clock, StepBackSeenFirstByAnyCallEndsTheLease) {
 
 TEST(Clock, StepBackLosesNoRobotButTrustsNoEarlierStatus) {
     ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     bench.skew_us -= 500000;
     while (bench.poll()) {
     }
@@ -322,9 +294,7 @@ TEST(Clock, StepBackLosesNoRobotButTrustsNoEarlierStatus) {
 }
 
 TEST(Clock, StepBackForgetsTheAnswerBeforeIt) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     bench.drop_to_client = [](const Bytes &bytes) { return bytes[0] == ROBUROC4_HEADER_STATUS; };
     ASSERT_TRUE(bench.run_until([&] { return bench.client.private_link.answered != 0; }));
     bench.drop_to_client = [](const Bytes &bytes) { return bytes[0] != ROBUROC4_HEADER_STATUS; };
@@ -339,8 +309,7 @@ TEST(Clock, StepBackForgetsTheAnswerBeforeIt) {
 TEST(Clock, StepBackWhileConnectingKeepsRequesting) {
     ScriptedRobot robot;
     robot.powered = false;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     bench.run(5 * second);
     bench.skew_us -= 900000000;
     const std::size_t before = bench.sent.size();
@@ -352,11 +321,9 @@ TEST(Clock, StepBackWhileConnectingKeepsRequesting) {
 }
 
 TEST(Clock, StepBackToNearZeroDoesNotDelayTheZeros) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
-    robot.powered = false;
+    bench.robot.powered = false;
     bench.pause();
     bench.pump();
     const std::uint64_t at_us = bench.now_us;
@@ -370,9 +337,7 @@ TEST(Clock, JumpFarAheadSendsNoSpeedAndDoesNotBlock) {
     for (const std::int64_t step_us :
          {std::int64_t{300000}, std::int64_t{3600000000}, std::int64_t{1} << 52}) {
         SCOPED_TRACE(step_us);
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench;
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
         bench.pump();
@@ -389,12 +354,11 @@ TEST(Clock, JumpFarAheadSendsNoSpeedAndDoesNotBlock) {
 
 TEST(Deadline, NeverLetsALoopSpinInAnyState) {
     /* the bench itself checks that no deadline is in the past after everything was polled */
-    ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.drive_period_ms = 10;
-    Bench bench(robot, config);
+    RobotBench bench(config);
     bench.delay_to_client = [] { return 3 * ms; };
-    robot.powered = false;
+    bench.robot.powered = false;
     const auto polls_per_second = [&](std::uint64_t seconds) {
         const std::uint64_t before = bench.polls;
         bench.run(seconds * second);
@@ -402,7 +366,7 @@ TEST(Deadline, NeverLetsALoopSpinInAnyState) {
     };
     bench.start();
     EXPECT_LT(polls_per_second(10), 300U) << "connecting";
-    robot.powered = true;
+    bench.robot.powered = true;
     EXPECT_LT(polls_per_second(10), 500U) << "discovering to ready";
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
     EXPECT_LT(polls_per_second(5), 500U) << "armed";
@@ -412,14 +376,14 @@ TEST(Deadline, NeverLetsALoopSpinInAnyState) {
     }
     bench.pause();
     EXPECT_LT(polls_per_second(3), 500U) << "stopping";
-    robot.powered = false;
+    bench.robot.powered = false;
     EXPECT_LT(polls_per_second(10), 300U) << "lost";
-    robot.powered = true;
+    bench.robot.powered = true;
     bench.run(5 * second);
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
     bench.drive(0.5F, 0);
     bench.pump();
-    robot.powered = false;
+    bench.robot.powered = false;
     bench.close();
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
     EXPECT_LT(polls_per_second(2), 500U) << "closing";
@@ -434,9 +398,7 @@ TEST(Lapse, DisarmsOnceTheLeaseWasNotRenewedForLongEnough) {
         SCOPED_TRACE(lapse_ms);
         roburoc4_config config = default_config();
         config.lapse_disarm_ms = lapse_ms;
-        ScriptedRobot robot;
-        Bench bench(robot, config);
-        bench.armed();
+        Armed bench(config);
         const std::uint64_t granted_us = bench.now_us;
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 250000));
         EXPECT_EQ(0, bench.facts().lapsed);
@@ -458,9 +420,7 @@ TEST(Lapse, DisarmsOnceTheLeaseWasNotRenewedForLongEnough) {
 }
 
 TEST(Lapse, IsForgivenByANewLeaseInTimeAndByAPause) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     for (int i = 0; i < 5; i++) {
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0.2F, 0)) << i;
         bench.run(1200 * ms); /* the lease of 250 ms, and less than a second more */
@@ -474,9 +434,7 @@ TEST(Lapse, IsForgivenByANewLeaseInTimeAndByAPause) {
 
 TEST(Lapse, IsNotForgivenByAPauseThatComesTooLate) {
     for (const std::uint32_t hang_ms : {1240U, 1260U}) {
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench;
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 500 * ms));
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
         bench.now_us += hang_ms * ms; /* the lease of 250 ms, and a second */
@@ -490,14 +448,12 @@ TEST(Lapse, IsNotForgivenByAPauseThatComesTooLate) {
 TEST(Lapse, IsNoticedBeforeAnythingElse) {
     for (int first = 0; first < 4; first++) {
         SCOPED_TRACE(first);
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench;
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 500 * ms));
         bench.take_events();
-        robot.follows = false; /* its watchdog tripped, or a button was pressed */
+        bench.robot.follows = false; /* its watchdog tripped, or a button was pressed */
         bench.now_us += 8 * second;
-        robot.advance(bench.now_us);
+        bench.robot.advance(bench.now_us);
         switch (first) {
         case 0:
             bench.run(ms);
@@ -512,24 +468,36 @@ TEST(Lapse, IsNoticedBeforeAnythingElse) {
             EXPECT_EQ(ROBUROC4_OK, roburoc4_client_pause(&bench.client, bench.now_us));
         }
         EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_LAPSED);
-        if (first != 1) /* stop() is a cause of its own */
+        if (first != 1) { /* stop() is a cause of its own */
             EXPECT_EQ(ROBUROC4_ERR_LAPSED, bench.facts().disarm_cause);
+        }
     }
+}
+
+TEST(Lapse, IsNoticedBeforeTheStatusThatIsReadFirst) {
+    Armed bench;
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 500 * ms));
+    bench.take_events();
+    bench.now_us += 2 * second;
+    bench.robot.press(ROBUROC4_DI_PAD_A);
+    bench.robot.advance(bench.now_us);
+    for (const Bytes &bytes : bench.robot.take())
+        bench.receive(bytes);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_LAPSED);
+    EXPECT_EQ(ROBUROC4_ERR_LAPSED, bench.facts().disarm_cause);
 }
 
 TEST(Lapse, AProgramThatHungNeverDrivesOn) {
     for (const bool pump_runs_on : {false, true}) {
         SCOPED_TRACE(pump_runs_on);
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench;
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 500 * ms));
         const std::uint64_t hang_us = bench.now_us;
         if (pump_runs_on) {
             bench.run(8 * second);
         } else { /* statuses wait in the socket meanwhile */
             bench.now_us += 8 * second;
-            robot.advance(bench.now_us);
+            bench.robot.advance(bench.now_us);
         }
         for (int i = 0; i < 40; i++) {
             EXPECT_EQ(ROBUROC4_ERR_LAPSED, bench.drive(0.5F, 0)) << i;

@@ -22,8 +22,7 @@ Command sent_for(const roburoc4_config &config, const roburoc4_differential_prop
                  float linear, float angular) {
     ScriptedRobot robot;
     robot.differential = limits;
-    Bench bench(robot, config);
-    bench.armed();
+    Armed bench(robot, config);
     EXPECT_EQ(ROBUROC4_OK, bench.drive(linear, angular));
     bench.pump();
     EXPECT_EQ(1U, bench.commands().size());
@@ -87,7 +86,17 @@ TEST(Limits, ScaleComesBeforeTheClamp) {
     config.scale_linear = 1.3F;
     config.scale_angular = 0.5F;
     expect_sent(sent_for(config, usual_limits(), 1, 1), 1.3F, 0.5F);
-    expect_sent(sent_for(config, usual_limits(), 2.5F, -8), 2.6F, -4);
+    expect_sent(sent_for(config, usual_limits(), 2.5F, -6), 2.6F, -3);
+}
+
+TEST(Limits, ACeilingBoundsTheSpeedBeforeAndAfterItIsScaled) {
+    for (const float scale : {0.5F, 1.0F, 2.0F}) {
+        roburoc4_config config = default_config();
+        config.scale_linear = config.scale_angular = scale;
+        const float most = std::min(scale, 1.0F);
+        expect_sent(sent_for(config, usual_limits(), 5, -10), most * 1.0F, most * -1.5F);
+        expect_sent(sent_for(config, usual_limits(), 0.4F, 0.4F), scale * 0.4F, scale * 0.4F);
+    }
 }
 
 TEST(Limits, ScaledSpeedsAreRoundedAsFloatsAre) {
@@ -109,7 +118,7 @@ TEST(Limits, TheGreatestSpeedsAtTheGreatestScaleAreClamped) {
     config.scale_linear = 10;
     config.scale_angular = 10;
     expect_sent(sent_for(config, usual_limits(), 5, -10), 2.6F, -6.5F);
-    config.options = ROBUROC4_OPTION_TURN_KEEPING;
+    config.options = ROBUROC4_OPTION_KEEP_CURVATURE;
     const float outer = 50 + 100 * 0.34F;
     expect_sent(sent_for(config, usual_limits(), -5, 10), -2.6F * 50 / outer, 2.6F * 100 / outer);
 }
@@ -118,7 +127,7 @@ TEST(Limits, ZeroPassesUntouched) {
     roburoc4_config config = unlimited_config();
     config.scale_linear = 10;
     config.scale_angular = 0.01F;
-    config.options = ROBUROC4_OPTION_TURN_KEEPING;
+    config.options = ROBUROC4_OPTION_KEEP_CURVATURE;
     const Command sent = sent_for(config, usual_limits(), 0, 0);
     EXPECT_EQ(0.0F, sent.linear);
     EXPECT_EQ(0.0F, sent.angular);
@@ -128,8 +137,7 @@ TEST(Limits, AStopSequenceNeedsNoUsableLimits) {
     ScriptedRobot robot;
     robot.differential.max_linear_m_s = nan_f;
     robot.differential.min_angular_rad_s = 3;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     bench.pause();
     bench.run(second);
     ASSERT_GE(bench.commands().size(), 3U);
@@ -142,9 +150,7 @@ TEST(Limits, AStopSequenceNeedsNoUsableLimits) {
 TEST(Units, SpeedsBeyondAnyRobotAreRefusedAndStoreNothing) {
     roburoc4_config config = unlimited_config();
     config.scale_linear = config.scale_angular = 0.01F; /* judged before scaling */
-    ScriptedRobot robot;
-    Bench bench(robot, config);
-    bench.armed();
+    Armed bench(config);
     const float most = std::numeric_limits<float>::max();
     const std::array<float, 2> mistakes[] = {{300, 0},    {-300, 0},    {0, 45},     {0, -45},
                                              {5.001F, 0}, {-5.001F, 0}, {0, 10.01F}, {0, -10.01F},
@@ -160,9 +166,7 @@ TEST(Units, SpeedsBeyondAnyRobotAreRefusedAndStoreNothing) {
 }
 
 TEST(Units, AMistakeDoesNotRenewALease) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     const std::uint64_t granted_us = bench.now_us;
     ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
     for (int i = 0; i < 20; i++) {
@@ -175,9 +179,7 @@ TEST(Units, AMistakeDoesNotRenewALease) {
 /* ---- not finite ---- */
 
 TEST(NotFinite, IsRefusedAndStoresNothing) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     for (const float bad :
          {nan_f, -nan_f, inf_f, -inf_f, std::numeric_limits<float>::signaling_NaN()}) {
         EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, bench.drive(bad, 0));
@@ -190,9 +192,7 @@ TEST(NotFinite, IsRefusedAndStoresNothing) {
 }
 
 TEST(NotFinite, DoesNotRenewALease) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     const std::uint64_t granted_us = bench.now_us;
     ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
     for (int i = 0; i < 20; i++) {
@@ -203,9 +203,7 @@ TEST(NotFinite, DoesNotRenewALease) {
 }
 
 TEST(NotFinite, OfEveryBitPatternIsRefused) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     for (std::uint32_t fraction = 0; fraction < 0x800000; fraction += 0x1235) {
         for (const std::uint32_t sign : {0U, 0x80000000U}) {
             const std::uint32_t bits = sign | 0x7F800000U | fraction;
@@ -218,13 +216,13 @@ TEST(NotFinite, OfEveryBitPatternIsRefused) {
 
 /* ---- keeping the curve ---- */
 
-TEST(TurnKeeping, IsOffByDefault) {
+TEST(KeepCurvature, IsOffByDefault) {
     expect_sent(sent_for(unlimited_config(), usual_limits(), 2.6F, 3), 2.6F, 3);
 }
 
-TEST(TurnKeeping, ReducesBothSpeedsByOneFactor) {
+TEST(KeepCurvature, ReducesBothSpeedsByOneFactor) {
     roburoc4_config config = unlimited_config();
-    config.options = ROBUROC4_OPTION_TURN_KEEPING;
+    config.options = ROBUROC4_OPTION_KEEP_CURVATURE;
     auto limits = usual_limits();
     limits.width_m = 0.5F;
     const float share = 2.6F / 3.1F; /* the outer wheels would run at 2.6 + 2 * 0.25 m/s */
@@ -240,9 +238,9 @@ TEST(TurnKeeping, ReducesBothSpeedsByOneFactor) {
     expect_sent(sent_for(config, limits, -2.6F, 2), -1.3F * 2.6F / 3.1F, 1.3F * 2 / 3.1F);
 }
 
-TEST(TurnKeeping, KeepsTheCurveOfAWideRobot) {
+TEST(KeepCurvature, KeepsTheCurveOfAWideRobot) {
     roburoc4_config config = unlimited_config();
-    config.options = ROBUROC4_OPTION_TURN_KEEPING;
+    config.options = ROBUROC4_OPTION_KEEP_CURVATURE;
     auto limits = usual_limits();
     limits.width_m = 2;
     expect_sent(sent_for(config, limits, 1, 6), 2.6F / 7, 6 * 2.6F / 7);
@@ -252,21 +250,23 @@ TEST(TurnKeeping, KeepsTheCurveOfAWideRobot) {
 /** In double precision, independent of the client's code. */
 std::array<double, 2> expected_speeds(const roburoc4_config &config, float width_m, double linear,
                                       double angular) {
-    const double most[2] = {2.6F, 6.5F};
+    const double most[2] = {
+        std::min(2.6F, config.max_linear_m_s * std::min(config.scale_linear, 1.0F)),
+        std::min(6.5F, config.max_angular_rad_s * std::min(config.scale_angular, 1.0F))};
     double speeds[2] = {linear * double{config.scale_linear},
                         angular * double{config.scale_angular}};
     const double wanted[2] = {std::abs(speeds[0]) + std::abs(speeds[1]) * double{width_m} / 2,
                               std::abs(speeds[1])};
     double share = 1;
     for (int axis = 0; axis < 2; axis++) {
-        if ((config.options & ROBUROC4_OPTION_TURN_KEEPING) != 0 && wanted[axis] > 0)
+        if ((config.options & ROBUROC4_OPTION_KEEP_CURVATURE) != 0 && wanted[axis] > 0)
             share = std::min(share, most[axis] / wanted[axis]);
     }
     return {std::clamp(speeds[0] * share, -most[0], most[0]),
             std::clamp(speeds[1] * share, -most[1], most[1])};
 }
 
-TEST(TurnKeeping, IsExactToTheLastDigitsOfAFloat) {
+TEST(KeepCurvature, IsExactToTheLastDigitsOfAFloat) {
     std::mt19937 random(1);
     const auto any = [&](double least, double most) {
         const double size = std::exp(
@@ -275,7 +275,7 @@ TEST(TurnKeeping, IsExactToTheLastDigitsOfAFloat) {
     };
     for (int i = 0; i < 300; i++) {
         roburoc4_config config = unlimited_config();
-        config.options = i % 3 == 0 ? 0 : ROBUROC4_OPTION_TURN_KEEPING;
+        config.options = i % 3 == 0 ? 0 : ROBUROC4_OPTION_KEEP_CURVATURE;
         config.scale_linear = std::abs(any(0.01, 10));
         config.scale_angular = std::abs(any(0.01, 10));
         auto limits = usual_limits();
@@ -288,17 +288,17 @@ TEST(TurnKeeping, IsExactToTheLastDigitsOfAFloat) {
     }
 }
 
-TEST(TurnKeeping, ADirectionThatTheRobotDoesNotHaveHasNoCurve) {
+TEST(KeepCurvature, ADirectionThatTheRobotDoesNotHaveHasNoCurve) {
     roburoc4_config config = unlimited_config();
-    config.options = ROBUROC4_OPTION_TURN_KEEPING;
+    config.options = ROBUROC4_OPTION_KEEP_CURVATURE;
     auto limits = usual_limits();
     limits.min_linear_m_s = 0;
     expect_sent(sent_for(config, limits, -1, 2), 0, 2);
 }
 
-TEST(TurnKeeping, IsOffIfTheWidthIsImplausible) {
+TEST(KeepCurvature, IsOffIfTheWidthIsImplausible) {
     roburoc4_config config = unlimited_config();
-    config.options = ROBUROC4_OPTION_TURN_KEEPING;
+    config.options = ROBUROC4_OPTION_KEEP_CURVATURE;
     for (const float width : {0.0F, -0.68F, nan_f, inf_f, -inf_f, 1e9F}) {
         auto limits = usual_limits();
         limits.width_m = width;

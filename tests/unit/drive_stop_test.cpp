@@ -61,9 +61,10 @@ std::size_t expect_train(const Bench &bench, std::uint64_t since_us, std::uint64
 /** The last stop sequence ended so, and exactly one event says it. */
 void expect_outcome(Bench &bench, std::uint8_t outcome) {
     EXPECT_EQ(outcome, bench.facts().stop_outcome);
-    EXPECT_EQ(outcome == ROBUROC4_STOP_CONFIRMED ? ROBUROC4_EVENT_STOPPED
+    EXPECT_EQ(outcome == ROBUROC4_STOP_CONFIRMED ? ROBUROC4_EVENT_STOP_CONFIRMED
                                                  : ROBUROC4_EVENT_STOP_UNCONFIRMED,
-              bench.take_events() & (ROBUROC4_EVENT_STOPPED | ROBUROC4_EVENT_STOP_UNCONFIRMED));
+              bench.take_events() &
+                  (ROBUROC4_EVENT_STOP_CONFIRMED | ROBUROC4_EVENT_STOP_UNCONFIRMED));
 }
 
 } // namespace
@@ -71,13 +72,11 @@ void expect_outcome(Bench &bench, std::uint8_t outcome) {
 TEST(StopSequence, FollowsEveryExitFromDriving) {
     for (const Exit &exit : exits) {
         SCOPED_TRACE(exit.first);
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench;
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.5F, 500 * ms));
         bench.now_us++;
         bench.sent.clear();
-        exit.second(bench, robot);
+        exit.second(bench, bench.robot);
         bench.pump();
         EXPECT_EQ(0, bench.facts().driving);
         EXPECT_EQ(1, bench.facts().stopping);
@@ -105,11 +104,9 @@ TEST(StopSequence, FollowsLoss) {
     roburoc4_config config = default_config();
     config.fresh_ms = 1000;
     config.lost_ms = 200;
-    ScriptedRobot robot;
-    Bench bench(robot, config);
-    bench.armed();
+    Armed bench(config);
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
-    robot.powered = false;
+    bench.robot.powered = false;
     while (bench.state() == ROBUROC4_STATE_READY) {
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
         bench.run(10 * ms);
@@ -123,9 +120,7 @@ TEST(StopSequence, FollowsLoss) {
 }
 
 TEST(StopSequence, ContinuesWhileTheSameRobotIsDiscoveredAgain) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     bench.drop_to_client = everything;
     while (bench.state() == ROBUROC4_STATE_READY) {
@@ -133,8 +128,8 @@ TEST(StopSequence, ContinuesWhileTheSameRobotIsDiscoveredAgain) {
         bench.run(10 * ms);
     }
     bench.drop_to_client = nullptr;
-    robot.subscriptions.clear();
-    robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_silent = true;
+    bench.robot.subscriptions.clear();
+    bench.robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_silent = true;
     bench.pause();
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_DISCOVERING));
     const std::uint64_t found_us = bench.now_us;
@@ -143,9 +138,7 @@ TEST(StopSequence, ContinuesWhileTheSameRobotIsDiscoveredAgain) {
 }
 
 TEST(StopSequence, GoesBeforeAllOtherTraffic) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     bench.run(60 * ms);
     bench.sent.clear();
@@ -168,8 +161,7 @@ TEST(StopSequence, GoesBeforeAllOtherTraffic) {
 TEST(StopSequence, EndsOnALaterStatusWithBothTargetsZero) {
     ScriptedRobot robot;
     robot.follows = false;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench(robot);
     bench.drive(0.5F, 0.5F);
     bench.pump();
     robot.target_linear = 0.5F;
@@ -179,13 +171,13 @@ TEST(StopSequence, EndsOnALaterStatusWithBothTargetsZero) {
     bench.pause();
     bench.run(400 * ms);
     EXPECT_EQ(1, bench.facts().stopping);
-    robot.target_linear = 0;
+    robot.target_linear = 0.0009F; /* rounding is no motion */
     bench.run(200 * ms);
     EXPECT_EQ(1, bench.facts().stopping) << "one target is not zero yet";
-    robot.target_angular = 0;
+    robot.target_angular = -0.0009F;
     bench.run(60 * ms);
     EXPECT_EQ(0, bench.facts().stopping);
-    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOPPED);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOP_CONFIRMED);
     const std::size_t zeros = expect_train(bench, start_us, 50 * ms);
     EXPECT_GE(zeros, 12U);
     EXPECT_LE(zeros, 15U);
@@ -194,8 +186,7 @@ TEST(StopSequence, EndsOnALaterStatusWithBothTargetsZero) {
 TEST(StopSequence, IsNotEndedByAStatusBeforeItsThirdZero) {
     ScriptedRobot robot;
     robot.follows = false;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench(robot);
     bench.drive(0.5F, 0);
     bench.pump();
     const std::uint64_t start_us = bench.now_us;
@@ -210,15 +201,13 @@ TEST(StopSequence, IsNotEndedByAStatusBeforeItsThirdZero) {
 }
 
 TEST(StopSequence, IsNotEndedByTheConfirmationOfTheOneBefore) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     bench.pause();
     bench.run(second);
     expect_outcome(bench, ROBUROC4_STOP_CONFIRMED);
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
-    robot.follows = false; /* its target stays */
+    bench.robot.follows = false; /* its target stays */
     const std::uint64_t start_us = bench.now_us;
     bench.pause();
     bench.take_events();
@@ -231,12 +220,10 @@ TEST(StopSequence, EndsWhenTheRobotsWatchdogHasTripped) {
     for (const std::uint32_t watchdog_ms : {100U, 1023U, 3000U, 15000U, 1000U}) {
         roburoc4_config config = default_config();
         config.robot_watchdog_ms = watchdog_ms;
-        ScriptedRobot robot;
-        Bench bench(robot, config);
-        bench.armed();
+        Armed bench(config);
         bench.drive(0.5F, 0);
         bench.run(30 * ms);
-        robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true; /* nothing can confirm it */
+        bench.robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true; /* nothing can confirm it */
         const std::uint64_t start_us = bench.now_us;
         bench.pause();
         bench.take_events();
@@ -255,9 +242,7 @@ TEST(StopSequence, EndsWhenTheRobotsWatchdogHasTripped) {
 TEST(StopSequence, HasTheConfiguredPeriod) {
     roburoc4_config config = default_config();
     config.drive_period_ms = 20;
-    ScriptedRobot robot;
-    Bench bench(robot, config);
-    bench.armed();
+    Armed bench(config);
     bench.drive(0.5F, 0);
     bench.pump();
     bench.run(5 * ms);
@@ -269,8 +254,7 @@ TEST(StopSequence, HasTheConfiguredPeriod) {
 
 TEST(StopSequence, IsNeverSentByAMonitor) {
     ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     robot.press(ROBUROC4_DI_PAD_A);
     bench.run(second);
     robot.press(ROBUROC4_DI_PAD_A, false);
@@ -290,12 +274,10 @@ TEST(StopSequence, IsNeverSentByAMonitor) {
 }
 
 TEST(StopSequence, DoesNotFollowAnAutomaticDisarmAfterOnlyArmingOrDrivingAtZero) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
-    robot.press(ROBUROC4_DI_PAD_A);
+    Armed bench;
+    bench.robot.press(ROBUROC4_DI_PAD_A);
     bench.run(second);
-    robot.press(ROBUROC4_DI_PAD_A, false);
+    bench.robot.press(ROBUROC4_DI_PAD_A, false);
     bench.run(second);
     EXPECT_EQ(0U, bench.commands().size());
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
@@ -303,19 +285,17 @@ TEST(StopSequence, DoesNotFollowAnAutomaticDisarmAfterOnlyArmingOrDrivingAtZero)
     bench.run(200 * ms);
     const std::size_t before = bench.commands().size();
     EXPECT_EQ(5U, before);
-    robot.press(ROBUROC4_DI_PAD_A);
+    bench.robot.press(ROBUROC4_DI_PAD_A);
     bench.run(second);
     EXPECT_EQ(before, bench.commands().size());
 }
 
 TEST(StopSequence, IsSentOnceForEachDrive) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     bench.drive(0.5F, 0);
     bench.run(3 * second);
     const std::size_t before = bench.commands().size();
-    robot.press(ROBUROC4_DI_PAD_A);
+    bench.robot.press(ROBUROC4_DI_PAD_A);
     bench.run(second);
     EXPECT_EQ(before, bench.commands().size());
 }
@@ -323,13 +303,12 @@ TEST(StopSequence, IsSentOnceForEachDrive) {
 /* ---- stop and pause ---- */
 
 TEST(Stop, AlwaysSendsZeros) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     for (int i = 0; i < 4; i++) {
         const std::uint64_t start_us = bench.now_us;
         ASSERT_EQ(ROBUROC4_OK, i % 2 == 0 ? bench.stop() : bench.pause());
-        EXPECT_EQ(ROBUROC4_ERR_STOPPED, bench.facts().disarm_cause) << "though it was not armed";
+        EXPECT_EQ(ROBUROC4_ERR_STOP_CALLED, bench.facts().disarm_cause)
+            << "though it was not armed";
         EXPECT_EQ(1, bench.facts().stopping);
         bench.run(second);
         EXPECT_GE(expect_train(bench, start_us, 50 * ms), 3U);
@@ -340,8 +319,7 @@ TEST(Stop, AlwaysSendsZeros) {
 TEST(Stop, BeforeDiscoveryIsLatchedUntilTheServiceIsKnown) {
     ScriptedRobot robot;
     robot.powered = false;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_EQ(ROBUROC4_OK, bench.stop());
     bench.run(5 * second);
     EXPECT_EQ(1, bench.facts().stopping);
@@ -357,9 +335,7 @@ TEST(Stop, BeforeDiscoveryIsLatchedUntilTheServiceIsKnown) {
 }
 
 TEST(Stop, LatchesUntilTheNextArm) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     bench.run(1 * ms);
     bench.take_events();
@@ -367,27 +343,26 @@ TEST(Stop, LatchesUntilTheNextArm) {
     ASSERT_EQ(ROBUROC4_OK, bench.stop());
     EXPECT_EQ(0, bench.facts().armed);
     EXPECT_EQ(0, bench.facts().driving);
-    EXPECT_EQ(ROBUROC4_ERR_STOPPED, bench.facts().disarm_cause);
+    EXPECT_EQ(ROBUROC4_ERR_STOP_CALLED, bench.facts().disarm_cause);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_DISARMED);
     bench.pump();
     ASSERT_FALSE(bench.commands(stop_us).empty());
     EXPECT_TRUE(bench.commands(stop_us)[0].zero()) << "at once";
     for (int i = 0; i < 40; i++) { /* the program's own loop knows nothing of the stop button */
-        EXPECT_EQ(ROBUROC4_ERR_STOPPED, bench.drive(0.5F, 0)) << i;
+        EXPECT_EQ(ROBUROC4_ERR_STOP_CALLED, bench.drive(0.5F, 0)) << i;
         bench.run(50 * ms);
     }
     EXPECT_EQ(0U, bench.speeds(stop_us));
     EXPECT_EQ(ROBUROC4_OK, bench.stop()) << "again";
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_DISARMED);
-    EXPECT_EQ(ROBUROC4_ERR_STOPPED, bench.facts().disarm_cause);
+    EXPECT_EQ(ROBUROC4_ERR_STOP_CALLED, bench.facts().disarm_cause);
     bench.run(second);
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
     EXPECT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
 }
 
 TEST(Stop, OfAClientThatIsIdleOrClosingChangesNothing) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     const auto expect_nothing = [&](roburoc4_result cause) {
         const roburoc4_client before = bench.client;
         EXPECT_EQ(ROBUROC4_ERR_STATE, bench.stop());
@@ -398,7 +373,7 @@ TEST(Stop, OfAClientThatIsIdleOrClosingChangesNothing) {
     expect_nothing(ROBUROC4_ERR_DISARMED);
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
-    robot.press(ROBUROC4_DI_PAD_A);
+    bench.robot.press(ROBUROC4_DI_PAD_A);
     bench.run(100 * ms);
     ASSERT_EQ(ROBUROC4_OK, bench.close());
     ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
@@ -408,9 +383,7 @@ TEST(Stop, OfAClientThatIsIdleOrClosingChangesNothing) {
 }
 
 TEST(Pause, KeepsTheArming) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     bench.drive(0.5F, 0);
     bench.pump();
     bench.pause();
@@ -424,9 +397,7 @@ TEST(Pause, KeepsTheArming) {
 }
 
 TEST(Pause, CalledRepeatedlyStillKeepsItsPeriodAndStops) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     bench.run(1 * ms);
     const std::uint64_t start_us = bench.now_us;
@@ -434,7 +405,7 @@ TEST(Pause, CalledRepeatedlyStillKeepsItsPeriodAndStops) {
         bench.pause();
         bench.run(1 * ms);
     }
-    EXPECT_EQ(0.0F, robot.target_linear);
+    EXPECT_EQ(0.0F, bench.robot.target_linear);
     const auto commands = bench.commands(start_us);
     EXPECT_LE(commands.size(), 101U) << "at most one in a cycle of the robot";
 }
@@ -442,9 +413,7 @@ TEST(Pause, CalledRepeatedlyStillKeepsItsPeriodAndStops) {
 /* ---- a lease that meets a stop sequence ---- */
 
 TEST(StopSequence, NewLeaseWaitsForThreeZeros) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     bench.run(1 * ms);
     const std::uint64_t start_us = bench.now_us;
@@ -465,9 +434,7 @@ TEST(StopSequence, NewLeaseWaitsForThreeZeros) {
 }
 
 TEST(StopSequence, LeaseThatEndsWhileItWaitsSendsNoSpeed) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     bench.run(1 * ms);
     const std::uint64_t start_us = bench.now_us;
@@ -479,9 +446,7 @@ TEST(StopSequence, LeaseThatEndsWhileItWaitsSendsNoSpeed) {
 }
 
 TEST(Close, SendsItsZerosThenIsIdle) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     const std::uint64_t start_us = bench.now_us;
     ASSERT_EQ(ROBUROC4_OK, bench.close());
@@ -492,22 +457,20 @@ TEST(Close, SendsItsZerosThenIsIdle) {
     EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_start(&bench.client, bench.client_us()));
     bench.run(400 * ms);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());
-    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOPPED);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOP_CONFIRMED);
     EXPECT_EQ(bench.commands(start_us).size() + 1,
               static_cast<std::size_t>(
                   std::count_if(bench.sent.begin(), bench.sent.end(),
                                 [&](const Bench::Datagram &d) { return d.at_us >= start_us; })))
         << "one request shows that the zeros arrived, and nothing else is sent";
-    EXPECT_TRUE(robot.seen(ROBUROC4_ACTION_DELETE).empty()) << "subscriptions are left alone";
-    EXPECT_EQ(0.0F, robot.target_linear);
+    EXPECT_TRUE(bench.robot.seen(ROBUROC4_ACTION_DELETE).empty()) << "subscriptions are left alone";
+    EXPECT_EQ(0.0F, bench.robot.target_linear);
 }
 
 TEST(Close, TakesAtMostTheRobotsWatchdog) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
-    robot.powered = false;
+    bench.robot.powered = false;
     ASSERT_EQ(ROBUROC4_OK, bench.close());
     bench.run(1000 * ms);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());

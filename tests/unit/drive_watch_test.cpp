@@ -3,6 +3,7 @@
  * What a client watches for while it drives: another commander, inhibited motion, the override.
  */
 #include "client_bench.h"
+#include "drawn.h"
 
 #include <array>
 #include <cmath>
@@ -16,8 +17,7 @@ using namespace roburoc4_tests;
 TEST(OtherCommander, IsReportedAfterThreeStatuses) {
     ScriptedRobot robot;
     robot.follows = false;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     robot.target_angular = 0.5F;
     for (std::uint64_t i = 1; i <= 2; i++)
         bench.receive(robot.status_at(6, robot.cycles() + i));
@@ -39,8 +39,7 @@ TEST(OtherCommander, IsAlsoOneThatCommandsSlowly) {
         for (const bool turning : {false, true}) {
             ScriptedRobot robot;
             robot.follows = false;
-            Bench bench(robot);
-            bench.ready();
+            Ready bench(robot);
             (turning ? robot.target_angular : robot.target_linear) = speed;
             bench.run(200 * ms);
             EXPECT_EQ(1, bench.facts().other_commander) << speed << (turning ? " rad/s" : " m/s");
@@ -50,8 +49,7 @@ TEST(OtherCommander, IsAlsoOneThatCommandsSlowly) {
 TEST(OtherCommander, IsNotTwoStatuses) {
     ScriptedRobot robot;
     robot.follows = false;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     for (std::uint64_t i = 1; i <= 9; i++) {
         robot.target_linear = i % 3 == 0 ? 0.0F : 0.5F;
         bench.receive(robot.status_at(6, robot.cycles() + i));
@@ -60,13 +58,17 @@ TEST(OtherCommander, IsNotTwoStatuses) {
 }
 
 TEST(OtherCommander, IsNeverTheClientItself) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    Drawn drawn;
+    roburoc4_config config = default_config();
+    config.period_ms[ROBUROC4_SERVICE_DIFFERENTIAL] = 10;
+    RobotBench bench(config);
     bench.delay_to_client = [] { return 120 * ms; }; /* what it reports is old */
     bench.armed();
-    for (int i = 0; i < 200; i++) {
-        ASSERT_EQ(ROBUROC4_OK, bench.drive(i % 20 < 10 ? 1.0F : -1.0F, i % 14 < 7 ? 2.0F : -0.5F))
-            << i;
+    float linear = 1, angular = 2;
+    for (int i = 0; i < 500; i++) {
+        linear = drawn.within(1) < 0.5 ? linear : -linear;
+        angular = drawn.within(1) < 0.5 ? angular : 1.5F - angular;
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(linear, angular)) << i;
         bench.run(30 * ms);
     }
     bench.pause();
@@ -78,8 +80,7 @@ TEST(OtherCommander, IsNeverTheClientItself) {
 TEST(OtherCommander, IsNeverTheGamePad) {
     ScriptedRobot robot;
     robot.follows = false;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     robot.press(ROBUROC4_DI_PAD_A);
     bench.run(100 * ms);
     robot.target_linear = robot.current_linear = 1;
@@ -89,13 +90,11 @@ TEST(OtherCommander, IsNeverTheGamePad) {
 }
 
 TEST(OtherCommander, DisarmsAndSendsZeros) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
-    robot.follows = false;
-    robot.target_linear = 0.5F;
-    robot.target_angular = 1;
+    bench.robot.follows = false;
+    bench.robot.target_linear = 0.5F;
+    bench.robot.target_angular = 1;
     ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 1000000));
     bench.run(200 * ms);
     EXPECT_EQ(0, bench.facts().armed);
@@ -104,12 +103,10 @@ TEST(OtherCommander, DisarmsAndSendsZeros) {
 }
 
 TEST(OtherCommander, IsSeenAlsoBetweenZeroAndOurTarget) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 5 * second));
-    robot.follows = false;
-    robot.target_linear = 0.5F; /* we said 1 for five seconds */
+    bench.robot.follows = false;
+    bench.robot.target_linear = 0.5F; /* we said 1 for five seconds */
     for (int i = 0; i < 20 && bench.facts().armed == 1; i++) {
         bench.drive(1, 0);
         bench.run(50 * ms);
@@ -119,21 +116,17 @@ TEST(OtherCommander, IsSeenAlsoBetweenZeroAndOurTarget) {
 }
 
 TEST(OtherCommander, MayUseTheSpeedThatWeUsedLongAgo) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
     bench.run(5 * second);
-    robot.follows = false;
-    robot.target_linear = 1;
+    bench.robot.follows = false;
+    bench.robot.target_linear = 1;
     bench.run(200 * ms);
     EXPECT_EQ(1, bench.facts().other_commander) << "nothing was sent for seconds";
 }
 
 TEST(OtherCommander, MayUseTheSpeedThatWeUsedLongAgoHoweverOftenWeStopped) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 300 * ms));
     for (int i = 0; i < 8; i++) {
         bench.pause();
@@ -141,28 +134,25 @@ TEST(OtherCommander, MayUseTheSpeedThatWeUsedLongAgoHoweverOftenWeStopped) {
         ASSERT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome) << i;
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.2F, 0, 400 * ms)) << i;
     }
-    robot.follows = false;
-    robot.target_linear = 1;
+    bench.robot.follows = false;
+    bench.robot.target_linear = 1;
     EXPECT_EQ(ROBUROC4_ERR_OTHER_COMMANDER, bench.drive_until_refused(0.2F, 0, 400 * ms));
 }
 
 TEST(OtherCommander, MayUseTheSpeedThatWeUsedBeforeALeaseWithoutASpeed) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 300 * ms));
     bench.pause();
     ASSERT_NO_FATAL_FAILURE(bench.driving(0, 0, 5 * second));
-    robot.follows = false;
-    robot.target_linear = 1;
+    bench.robot.follows = false;
+    bench.robot.target_linear = 1;
     EXPECT_EQ(ROBUROC4_ERR_OTHER_COMMANDER, bench.drive_until_refused(0, 0, 400 * ms));
 }
 
 TEST(OtherCommander, IsNotARobotThatDropsItsTargetsItself) {
     ScriptedRobot robot;
     robot.follows = false; /* its targets stay 0 */
-    Bench bench(robot);
-    bench.armed();
+    Armed bench(robot);
     robot.current_linear = 1;
     EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(1, -1, second));
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER);
@@ -171,21 +161,17 @@ TEST(OtherCommander, IsNotARobotThatDropsItsTargetsItself) {
 TEST(OtherCommander, IsNotOurTargetFromBeforeThatTheRobotStillHas) {
     roburoc4_config config = default_config();
     config.robot_watchdog_ms = 100; /* what was sent earlier than this is forgotten */
-    ScriptedRobot robot;
-    Bench bench(robot, config);
-    bench.armed();
+    Armed bench(config);
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
-    robot.follows = false;
+    bench.robot.follows = false;
     ASSERT_NO_FATAL_FAILURE(bench.driving(-0.3F, 0, 350 * ms));
-    robot.follows = true;
+    bench.robot.follows = true;
     ASSERT_NO_FATAL_FAILURE(bench.driving(-0.3F, 0, 500 * ms));
     EXPECT_EQ(0, bench.facts().other_commander);
 }
 
 TEST(OtherCommander, IsNotASpeedOfOursThatAQueueKeptThroughLaterLeases) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     bench.drop_to_robot = everything; /* a queue takes it all */
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     for (int i = 0; i < 8; i++) {
@@ -197,9 +183,9 @@ TEST(OtherCommander, IsNotASpeedOfOursThatAQueueKeptThroughLaterLeases) {
     bench.run(1100 * ms);
     bench.take_events();
     bench.drop_to_robot = nullptr;
-    robot.target_linear = 0.5F; /* now it comes */
+    bench.robot.target_linear = 0.5F; /* now it comes */
     bench.run(500 * ms);
-    EXPECT_EQ(0.0F, robot.target_linear);
+    EXPECT_EQ(0.0F, bench.robot.target_linear);
     EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER);
 }
 
@@ -208,8 +194,7 @@ TEST(OtherCommander, CanBeIgnored) {
     config.options = ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER;
     ScriptedRobot robot;
     robot.follows = false;
-    Bench bench(robot, config);
-    bench.armed();
+    Armed bench(robot, config);
     robot.target_linear = -1;
     robot.current_linear = -1;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
@@ -223,8 +208,7 @@ TEST(OtherCommander, IsNotAScaledOrClampedTargetOfOurs) {
     config.scale_linear = 1.3F;
     ScriptedRobot robot;
     robot.differential.max_linear_m_s = 1;
-    Bench bench(robot, config);
-    bench.armed();
+    Armed bench(robot, config);
     ASSERT_NO_FATAL_FAILURE(bench.driving(2, 0.5F, 3 * second));
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.5F, 3 * second));
     EXPECT_EQ(0, bench.facts().other_commander);
@@ -236,8 +220,7 @@ TEST(OtherCommander, IsNotAScaledOrClampedTargetOfOurs) {
 TEST(Inhibited, IsNoRobotThatStillTurnedSlowlyWhenItWasArmed) {
     ScriptedRobot robot;
     robot.follows = false;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     robot.current_angular = -0.199F;
     bench.run(100 * ms);
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
@@ -305,8 +288,7 @@ TEST(Inhibited, DisarmsWhenTheRobotDoesNotFollow) {
     for (const auto &c : cases) {
         SCOPED_TRACE(c.what);
         Disobedient robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench(robot);
         robot.current_linear = c.speed[0];
         robot.current_angular = c.speed[1];
         ASSERT_NO_FATAL_FAILURE(bench.driving(c.target[0], c.target[1], 800 * ms))
@@ -334,8 +316,7 @@ TEST(Inhibited, IsNoticedThroughNoise) {
         SCOPED_TRACE(seed);
         std::uint32_t random = seed;
         Disobedient robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench(robot);
         int steps = 0;
         roburoc4_result result = ROBUROC4_OK;
         while (result == ROBUROC4_OK && steps++ < 200) {
@@ -378,8 +359,7 @@ TEST(Inhibited, IsNoticedHoweverTheTargetsAlternate) {
             SCOPED_TRACE(testing::Message() << c.what << (moved ? ", after it moved" : ""));
             Unpowered robot;
             robot.power = moved;
-            Bench bench(robot);
-            bench.armed();
+            Armed bench(robot);
             std::uint64_t begun_us = bench.now_us;
             roburoc4_result result = ROBUROC4_OK;
             while (result == ROBUROC4_OK && bench.now_us - begun_us < 20 * second) {
@@ -403,8 +383,7 @@ TEST(Inhibited, IsNoticedAsSoonForwardAsBackward) {
         for (const bool backward : {false, true}) {
             Unpowered robot;
             robot.power = moved;
-            Bench bench(robot);
-            bench.armed();
+            Armed bench(robot);
             const float target = (moved ? 0.15F : 0.5F) * (backward ? -1.0F : 1.0F);
             ASSERT_NO_FATAL_FAILURE(bench.driving(-target, 0, moved ? 5 * second : 800 * ms));
             robot.power = false;
@@ -418,8 +397,7 @@ TEST(Inhibited, IsNoticedAsSoonForwardAsBackward) {
 
 TEST(Inhibited, IsNotEndedByAMomentOfMotion) {
     Disobedient robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     robot.target_linear = 0.5F; /* another commander's */
     bench.run(2 * second);
     ASSERT_EQ(1, bench.facts().inhibited);
@@ -435,8 +413,7 @@ TEST(Inhibited, IsNoRobotTooSlowForTargetsThatAlternate) {
     for (const std::uint64_t span_us : {200 * ms, 500 * ms, 1500 * ms}) {
         SCOPED_TRACE(span_us);
         Responding robot(1.5F, 1.2F, 1, 15);
-        Bench bench(robot);
-        bench.armed();
+        Armed bench(robot);
         for (int cycle = 0; cycle < 2000; cycle++) {
             const float sign =
                 static_cast<std::uint64_t>(cycle) * 10 * ms / span_us % 2 == 0 ? 1 : -1;
@@ -452,7 +429,7 @@ TEST(Inhibited, IsNoRobotTooSlowForTargetsThatAlternate) {
 /** A second-order response, as slow, as fast and as far off as the family allows. */
 TEST(Inhibited, IsNoRobotThatRespondsInItsOwnWay) {
     const float steps[][2] = {{1, 0},        {-1, 0.5F},  {0.1F, -1.5F},    {0.1F, 0}, {1, 1.5F},
-                              {0.02F, 0.1F}, {-1, -1.5F}, {-0.04F, -0.05F}, {0, 0}};
+                              {0.02F, 0.1F}, {-1, -1.5F}, {-0.04F, -0.05F}, {0, 0},    {0.05F, 0}};
     for (const float frequency : {1.5F, 2.46F, 8.0F, 40.0F})
         for (const float damping : {0.6F, 0.79F, 1.5F})
             for (const float gain : {0.85F, 1.15F})
@@ -461,8 +438,7 @@ TEST(Inhibited, IsNoRobotThatRespondsInItsOwnWay) {
                                  << "frequency " << frequency << ", damping " << damping
                                  << ", gain " << gain << ", dead time " << dead << " cycles");
                     Responding robot(frequency, damping, gain, dead);
-                    Bench bench(robot);
-                    bench.armed();
+                    Armed bench(robot);
                     for (const auto &step : steps) {
                         for (int cycle = 0; cycle < 300; cycle++) {
                             if (cycle % 5 == 0) {
@@ -479,8 +455,7 @@ TEST(Inhibited, IsNoRobotThatRespondsInItsOwnWay) {
 TEST(Inhibited, IsNoRobotWithTargetsThatNoStatusShows) {
     Responding robot(2.64F, 0.69F, 1.1F, 9);
     robot.forced_period = 16;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench(robot);
     for (int cycle = 0; cycle < 1000; cycle++) {
         const bool turns = robot.cycles() % 16 >= 2 && robot.cycles() % 16 < 8;
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0, turns ? 1.5F : 0)) << cycle;
@@ -492,8 +467,7 @@ TEST(Inhibited, IsNoRobotWithTargetsThatNoStatusShows) {
 /** It seems to be at rest for a moment, and goes on in the other direction. */
 TEST(Inhibited, IsNoRobotThatIsArmedAgainWhileItChangesItsDirection) {
     Disobedient robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench(robot);
     float slope = 0;
     const auto roll = [&](int cycles, float target) {
         for (int cycle = 0; cycle < cycles; cycle++) {
@@ -521,8 +495,7 @@ TEST(Inhibited, IsNotReportedWhenTheTargetIsNotFinite) {
     for (const bool turning : {false, true}) {
         ScriptedRobot robot;
         robot.follows = false;
-        Bench bench(robot);
-        bench.ready();
+        Ready bench(robot);
         (turning ? robot.target_angular : robot.target_linear) =
             std::numeric_limits<float>::quiet_NaN();
         bench.run(2 * second);
@@ -534,8 +507,7 @@ TEST(Inhibited, IsNotReportedWhenTheTargetIsNotFinite) {
 TEST(Inhibited, DisarmsWhereTheRobotDropsTheTargetItself) {
     ScriptedRobot robot;
     robot.follows = false; /* target and speed stay 0 */
-    Bench bench(robot);
-    bench.armed();
+    Armed bench(robot);
     EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(0.5F, 0, second));
 }
 
@@ -545,8 +517,7 @@ TEST(Inhibited, EndsWithAnEventWhenArmedAgainAtOnce) {
     config.options = ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER;
     ScriptedRobot robot;
     robot.follows = false;
-    Bench bench(robot, config);
-    bench.armed();
+    Armed bench(robot, config);
     bool inhibited = false;
     while (bench.facts().armed == 1) {
         bench.drive(0.5F, 0);
@@ -562,8 +533,7 @@ TEST(Inhibited, EndsWithAnEventWhenArmedAgainAtOnce) {
 TEST(Inhibited, DisarmsAgainWhenArmedAgainAtOnce) {
     ScriptedRobot robot;
     robot.follows = false;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench(robot);
     EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(0.5F, 0, second));
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
     robot.target_linear = 0.5F; /* the command from before arrives late */
@@ -571,9 +541,7 @@ TEST(Inhibited, DisarmsAgainWhenArmedAgainAtOnce) {
 }
 
 TEST(Inhibited, IsNotReportedWhenItMovesOrHasNoTarget) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.5F, 3 * second));
     ASSERT_NO_FATAL_FAILURE(bench.driving(0, 0, 3 * second));
     bench.run(3 * second);
@@ -583,61 +551,54 @@ TEST(Inhibited, IsNotReportedWhenItMovesOrHasNoTarget) {
 TEST(Inhibited, IsNoRobotOfWhichStatusesWereLost) {
     roburoc4_config config = default_config();
     config.fresh_ms = 1000;
-    ScriptedRobot robot;
-    Bench bench(robot, config);
-    bench.armed();
+    Armed bench(config);
     for (const std::uint64_t gap_us : {300 * ms, 500 * ms, 800 * ms}) {
         SCOPED_TRACE(gap_us);
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.2F, -0.2F, second));
-        robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
+        bench.robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
         ASSERT_NO_FATAL_FAILURE(bench.driving(1, 1, gap_us));
-        robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = false;
+        bench.robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = false;
         ASSERT_NO_FATAL_FAILURE(bench.driving(1, 1, 2 * second));
     }
 }
 
 TEST(Inhibited, IsNotARobotWhoseTargetIsNearlyZero) {
-    ScriptedRobot robot;
-    robot.follows = false;
-    for (float *target : {&robot.target_linear, &robot.target_angular}) {
-        Bench bench(robot);
-        bench.ready();
-        *target = 0.0009F;
+    for (const bool turning : {false, true}) {
+        ScriptedRobot robot;
+        robot.follows = false;
+        Ready bench(robot);
+        (turning ? robot.target_angular : robot.target_linear) = 0.0009F;
         bench.run(2 * second);
         EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_INHIBITED);
-        *target = 0;
+        EXPECT_EQ(ROBUROC4_OK, bench.arm());
     }
 }
 
 /* ---- override ---- */
 
 TEST(Override, IsAnEventOnBothEdges) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     EXPECT_EQ(1, bench.facts().override_known);
     EXPECT_EQ(0, bench.facts().overridden);
-    robot.press(ROBUROC4_DI_PAD_A);
+    bench.robot.press(ROBUROC4_DI_PAD_A);
     bench.run(60 * ms);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_OVERRIDE);
     EXPECT_EQ(1, bench.facts().overridden);
     bench.run(second);
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_OVERRIDE);
-    robot.press(ROBUROC4_DI_PAD_A, false);
+    bench.robot.press(ROBUROC4_DI_PAD_A, false);
     bench.run(60 * ms);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_OVERRIDE);
     EXPECT_EQ(0, bench.facts().overridden);
 }
 
 TEST(Override, IsAnEventWhenItIsKnownAgainAndStillPressed) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
-    robot.press(ROBUROC4_DI_PAD_A);
+    Ready bench;
+    bench.robot.press(ROBUROC4_DI_PAD_A);
     bench.run(60 * ms);
     ASSERT_EQ(1, bench.facts().overridden);
     for (const bool pressed : {true, false}) {
-        robot.press(ROBUROC4_DI_PAD_A, pressed);
+        bench.robot.press(ROBUROC4_DI_PAD_A, pressed);
         ASSERT_EQ(ROBUROC4_OK,
                   roburoc4_client_set_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE,
                                                  ROBUROC4_DI_PAD_A, bench.client_us()));
@@ -654,8 +615,7 @@ TEST(Override, IsNoEventWhileItIsUnknown) {
     robot.iocard.digital_inputs = 4;
     robot.digital = 0xF;
     robot.texts_refused = true;
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     bench.run(3 * second);
     EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_OVERRIDE);
     EXPECT_EQ(0, bench.facts().override_known);
@@ -664,14 +624,12 @@ TEST(Override, IsNoEventWhileItIsUnknown) {
 
 TEST(Override, SendsNoSpeedAfterTheStatusThatShowedIt) {
     for (int offset = 0; offset < 60; offset += 7) {
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.armed();
+        Armed bench;
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
         bench.run(static_cast<std::uint64_t>(offset) * ms);
         bench.drive(0.6F, 0, 1000000);
-        robot.press(ROBUROC4_DI_PAD_A);
-        bench.receive(robot.status_at(2, robot.cycles() + 1));
+        bench.robot.press(ROBUROC4_DI_PAD_A);
+        bench.receive(bench.robot.status_at(2, bench.robot.cycles() + 1));
         const std::size_t before = bench.sent.size();
         bench.run(3 * second);
         for (std::size_t i = before; i < bench.sent.size(); i++) {

@@ -129,8 +129,7 @@ std::vector<Copy> copies_of(int answer) {
 TEST(FixedId, ACopyDoesNotShortenTheWaitAfterASlowAnswer) {
     ScriptedRobot robot;
     robot.always_manual_id = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     bench.run(60 * second);
     ASSERT_EQ(1, bench.facts().fixed_id);
     bool asked = false;
@@ -177,13 +176,12 @@ TEST(ErrorHeader, OneDuplicatedRefusalNeverGivesAWrongOverride) {
 
 /** A bad link looks like such a robot: it begins without an answer, at a request's third try. */
 TEST(FixedId, FromItsBeginningOnTheOverrideIsKnownOnlyWithItsInput) {
-    ScriptedRobot robot;
-    Bench bench(robot);
+    RobotBench bench;
     int manual_ids = 0;
-    robot.channel_text = [](std::uint32_t, std::uint32_t index) {
+    bench.robot.channel_text = [](std::uint32_t, std::uint32_t index) {
         return index == 11 ? "Game pad A" : "spare";
     };
-    robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
+    bench.robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
         return r.action == ROBUROC4_ACTION_GET && r.service == 3;
     };
     bench.drop_to_client = [&](const Bytes &answer) {
@@ -210,8 +208,7 @@ TEST(FixedId, FromItsBeginningOnTheOverrideIsKnownOnlyWithItsInput) {
 TEST(FixedId, ARobotThatSendsStatusesIsLostAfterTheConfiguredSilence) {
     ScriptedRobot robot;
     robot.always_manual_id = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     bench.run(20 * second);
     ASSERT_EQ(1, bench.facts().fixed_id);
     robot.powered = false;
@@ -250,8 +247,7 @@ TEST(FixedId, ATextIsReadAgainAfterAClockStepButNotForALateOneOfTheDirectory) {
     for (const bool steps : {false, true}) {
         ScriptedRobot robot;
         robot.always_manual_id = true;
-        Bench bench(robot);
-        bench.start();
+        Started bench(robot);
         std::size_t count = 0;
         const auto asked = [&robot, &count] {
             const auto queries = robot.seen(ROBUROC4_ACTION_QUERY, ROBUROC4_SERVICE_IOCARD);
@@ -301,8 +297,7 @@ struct SlowTexts : LateRobot {
 
 TEST(FixedId, ARobotOfWhichNothingIsKnownIsNotLostAgainAndAgain) {
     SlowTexts robot(true);
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     bench.run(120 * second);
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
@@ -312,8 +307,7 @@ TEST(FixedId, ARobotOfWhichNothingIsKnownIsNotLostAgainAndAgain) {
 
 TEST(FixedId, ProbesOfASlowRobotLeaveTimeForTexts) {
     SlowTexts robot(false);
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     EXPECT_TRUE(bench.run_until(
         [&] {
             return roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_DIFFERENTIAL) == 6;

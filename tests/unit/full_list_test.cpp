@@ -18,8 +18,7 @@ void refuse_inserts(ScriptedRobot &robot, bool refused) {
 TEST(FullList, ARobotThatAcceptsNoSubscriptionIsNotReadyAndAskedAgain) {
     ScriptedRobot robot;
     refuse_inserts(robot, true);
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     bench.run(10 * second);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_SUBSCRIBING), bench.state());
     EXPECT_EQ(0x7CU, bench.facts().missing);
@@ -37,8 +36,7 @@ TEST(FullList, ARobotThatAcceptsNoSubscriptionIsNotReadyAndAskedAgain) {
 TEST(FullList, AnotherRobotIsNoticedAlthoughNoStatusShowsIt) {
     ScriptedRobot robot;
     refuse_inserts(robot, true);
-    Bench bench(robot);
-    bench.start();
+    Started bench(robot);
     bench.run(3 * second);
     robot.services = usual_services();
     for (ScriptedService &service : robot.services)
@@ -54,8 +52,7 @@ TEST(FullList, AProgramThatWantsNoSubscriptionBecomesReady) {
     refuse_inserts(robot, true);
     roburoc4_config config = default_config();
     config.subscriptions = 0;
-    Bench bench(robot, config);
-    bench.start();
+    Started bench(robot, config);
     EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 2 * second));
     EXPECT_EQ(0U, bench.facts().missing);
 }
@@ -66,12 +63,11 @@ TEST(FullList, ARefusedSubscriptionThatDrivingNeedsIsTheReason) {
         SCOPED_TRACE(service);
         ScriptedRobot robot;
         robot.service(service).insert_refused = true;
-        Bench bench(robot);
-        bench.ready();
+        Ready bench(robot);
         EXPECT_EQ(1U << service, bench.facts().missing);
         for (int i = 0; i < 100; i++) { /* it is asked again meanwhile */
             bench.run(100 * ms);
-            ASSERT_EQ(ROBUROC4_ERR_NOT_SUBSCRIBED, bench.arm()) << i;
+            ASSERT_EQ(ROBUROC4_ERR_SUBSCRIPTION_REFUSED, bench.arm()) << i;
             ASSERT_EQ(1U << service, bench.facts().missing) << i;
             robot.service(service).insert_silent = i >= 50;
         }
@@ -88,11 +84,20 @@ TEST(FullList, ARefusedSubscriptionThatDrivingNeedsIsTheReason) {
     }
 }
 
+TEST(FullList, AServiceThatRefusesAndSendsAllTheSameIsNotMissing) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_BATTERY).insert_refused = true;
+    Ready bench(robot);
+    ASSERT_EQ(1U << ROBUROC4_SERVICE_BATTERY, bench.facts().missing);
+    robot.subscriptions[ROBUROC4_SERVICE_BATTERY] = 5;
+    bench.run(second);
+    EXPECT_EQ(0U, bench.facts().missing);
+}
+
 TEST(FullList, ACardThatIsNotListedIsTheReason) {
     ScriptedRobot robot;
     robot.remove(ROBUROC4_SERVICE_IOCARD);
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ(1U << ROBUROC4_SERVICE_IOCARD, bench.facts().missing);
-    EXPECT_EQ(ROBUROC4_ERR_NOT_SUBSCRIBED, bench.arm());
+    EXPECT_EQ(ROBUROC4_ERR_SUBSCRIPTION_REFUSED, bench.arm());
 }

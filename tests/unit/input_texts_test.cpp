@@ -15,8 +15,7 @@ roburoc4_result role_with_text(std::uint32_t role, const std::string &text) {
     robot.channel_text = [&](std::uint32_t type, std::uint32_t index) -> std::string {
         return type == ROBUROC4_IO_DIGITAL_INPUT && index == 12 ? text : "spare";
     };
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     return roburoc4_client_role_index(&bench.client, role);
 }
 
@@ -50,7 +49,7 @@ TEST(OverrideText, ConsistsExactlyOfTheWordsForIt) {
          {"Game pad A LED", "Game pad battery A", "Game pad A axis", "A axis", "Game pad A B",
           "Game pad A A", "Game pad", "A", "", "Game A", "Pad A", "Game pad B", "Game pad A\xE9",
           "Game pad A \xE2", "Gamepad joystick A", "Not game pad A", "Game pad A 2"})
-        EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, role_with_text(ROBUROC4_ROLE_OVERRIDE, text)) << text;
+        EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, role_with_text(ROBUROC4_ROLE_OVERRIDE, text)) << text;
 }
 
 /** Because a text may be as long as a datagram, and searching it takes time. */
@@ -60,9 +59,9 @@ TEST(OverrideText, IsSearchedInItsFirst255Bytes) {
         const char *more;
         roburoc4_result index;
     } cases[] = {{245, 0, "", 12},
-                 {246, 0, "", ROBUROC4_ERR_UNKNOWN},
+                 {246, 0, "", ROBUROC4_ERR_NOT_KNOWN},
                  {0, 300, "", 12},
-                 {0, 240, "LED", ROBUROC4_ERR_UNKNOWN},
+                 {0, 240, "LED", ROBUROC4_ERR_NOT_KNOWN},
                  {0, 245, "LED", 12}};
     for (const auto &c : cases)
         EXPECT_EQ(c.index,
@@ -78,19 +77,29 @@ TEST(OverrideText, IsFoundAmongAsManyInputsAsAreStored) {
         robot.channel_text = [](std::uint32_t type, std::uint32_t index) -> std::string {
             return type == ROBUROC4_IO_DIGITAL_INPUT && index == 62 ? "Game pad A" : "spare";
         };
-        Bench bench(robot);
-        bench.ready();
-        EXPECT_EQ(count <= ROBUROC4_MAX_DIGITAL_INPUTS ? 62 : ROBUROC4_ERR_UNKNOWN,
+        Ready bench(robot);
+        EXPECT_EQ(count <= ROBUROC4_MAX_DIGITAL_INPUTS ? 62 : ROBUROC4_ERR_NOT_KNOWN,
                   roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE))
             << count;
     }
 }
 
+TEST(OverrideText, MayBeThatOfAnInputThatIsNotStored) {
+    ScriptedRobot robot;
+    robot.iocard.digital_inputs = ROBUROC4_MAX_DIGITAL_INPUTS + 8;
+    robot.channel_text = [](std::uint32_t, std::uint32_t) { return std::string("spare"); };
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    Bench bench(robot, config);
+    bench.ready();
+    bench.run(30 * second);
+    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE_UNKNOWN, bench.arm());
+}
+
 TEST(OverrideText, RefusedOfTheCardBeforeSaysNothingOfTheNextOne) {
     ScriptedRobot robot;
     robot.texts_refused = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     ASSERT_EQ(ROBUROC4_DI_PAD_A, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
     ASSERT_EQ(1, bench.facts().front_bumper_known);
     robot.texts_refused = false;
@@ -100,7 +109,7 @@ TEST(OverrideText, RefusedOfTheCardBeforeSaysNothingOfTheNextOne) {
     roburoc4_iocard_properties card{};
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_iocard_properties(&bench.client, &card));
     ASSERT_EQ(ROBUROC4_DI_COUNT + 1, card.digital_inputs);
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN,
               roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
     EXPECT_EQ(0, bench.facts().front_bumper_known);
 }
@@ -116,8 +125,7 @@ TEST(Bumper, WithSeveralInputsIsPressedIfAnyIs) {
         return type == ROBUROC4_IO_DIGITAL_INPUT && texts.count(index) > 0 ? texts.at(index)
                                                                            : "spare";
     };
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ(3, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_FRONT_BUMPER));
     EXPECT_EQ(6, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_REAR_BUMPER));
     EXPECT_EQ(1, bench.facts().front_bumper_known);
@@ -152,23 +160,23 @@ TEST(Bumper, IsKnownOnlyIfTheTextsSayWhichInputItIs) {
             robot.iocard.digital_inputs = 30;
         robot.instead = [way](const roburoc4_request &r, std::vector<Bytes> &) {
             return way == ONE_MISSING && r.action == ROBUROC4_ACTION_QUERY && r.service == 2 &&
-                   r.io_type == ROBUROC4_IO_DIGITAL_INPUT && r.index == 17;
+                   r.io_type == ROBUROC4_IO_DIGITAL_INPUT && r.index == ROBUROC4_DI_PAD_A;
         };
-        Bench bench(robot);
-        bench.start();
+        Started bench(robot);
         EXPECT_EQ(0, bench.facts().front_bumper_known);
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
-        bench.run(3 * second);
-        EXPECT_EQ(way == NAMED || way == ALL_REFUSED, bench.facts().front_bumper_known);
-        EXPECT_EQ(way == NAMED || way == ALL_REFUSED, bench.facts().rear_bumper_known);
+        bench.run(30 * second);
+        const bool known = way == NAMED || way == ALL_REFUSED;
+        EXPECT_EQ(known, bench.facts().front_bumper_known);
+        EXPECT_EQ(known, bench.facts().rear_bumper_known);
+        EXPECT_EQ(known ? ROBUROC4_OK : ROBUROC4_ERR_OVERRIDE_UNKNOWN, bench.arm());
     }
 }
 
 TEST(Bumper, IsUnknownUntilAStatusOfTheFoundRobotAndAfterALoss) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_IOCARD).mute = true;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ(0, bench.facts().front_bumper_known);
     EXPECT_EQ(UINT32_MAX, bench.facts().age_us[ROBUROC4_SERVICE_IOCARD]);
     robot.service(ROBUROC4_SERVICE_IOCARD).mute = false;
@@ -199,8 +207,7 @@ TEST(InputTexts, AreFoundLaterHoweverLateTheyCome) {
             LateTextsRobot robot;
             robot.texts_us = late_us;
             robot.texts_silent = true;
-            Bench bench(robot, config);
-            bench.ready();
+            Ready bench(robot, config);
             bench.run(30 * second);
             robot.texts_silent = false;
             EXPECT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }, 300 * second))

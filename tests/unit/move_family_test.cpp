@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "drawn.h"
 #include "family.h"
@@ -163,7 +164,7 @@ TEST_F(MoveFault, ACommandThatIsNotFollowedYetIsTakenBack) {
 
 TEST_F(MoveFault, AnEmptyPlainHasNoObstacle) {
     std::uint64_t state = drawn_seed();
-    options.linear_m_s = 1;
+    options.max_linear_m_s = 1;
     for (int i = 0; i < 150; i++) {
         family_member member = family_member_drawn(&state);
         member.natural_rad_s = 1.5;
@@ -176,11 +177,43 @@ TEST_F(MoveFault, AnEmptyPlainHasNoObstacle) {
 
 TEST_F(MoveFault, RestNeedsNoSpeeds) {
     arm();
-    options.linear_m_s = 4;
+    options.max_linear_m_s = 4;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_drive(&rig.client, 0.5F, 0, 0, family_now_us(&rig)));
     family_pass(&rig, 200);
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, &options));
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, go());
+}
+
+TEST_F(MoveFault, RestStopsOnceAndAtItsEnd) {
+    arm();
+    for (int i = 0; i < 20; i++) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_drive(&rig.client, 0.5F, 0, 0, family_now_us(&rig)));
+        family_pass(&rig, 100);
+    }
+    int confirmed = 0;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, go([&] {
+                  const std::uint32_t events = roburoc4_client_take_events(&rig.client);
+                  confirmed += (events & ROBUROC4_EVENT_STOP_CONFIRMED) != 0;
+              }));
+    EXPECT_EQ(1, confirmed);
+    EXPECT_NE(0U, roburoc4_client_take_events(&rig.client) & ROBUROC4_EVENT_STOP_CONFIRMED);
+    roburoc4_facts facts;
+    roburoc4_client_facts(&rig.client, family_now_us(&rig), ROBUROC4_SIZED(&facts));
+    EXPECT_EQ(ROBUROC4_STOP_CONFIRMED, facts.stop_outcome);
+    EXPECT_TRUE(facts.armed) << roburoc4_result_text(facts.disarm_cause);
+}
+
+TEST_F(MoveFault, BegunWhileDisarmedIsCancelled) {
+    arm();
+    family_pass(&rig, 100);
+    (void)roburoc4_client_stop(&rig.client, family_now_us(&rig));
+    family_pass(&rig, 1000);
+    rig.client.private_drive.disarm_cause =
+        ROBUROC4_ERR_STALE_DIFFERENTIAL; /* as after an outage */
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, go());
+    EXPECT_EQ(ROBUROC4_ERR_STALE_DIFFERENTIAL, move.cause);
 }
 
 TEST_F(MoveFault, APauseAfterItsFirstStepEndsIt) {
@@ -217,6 +250,13 @@ TEST_F(MoveFault, APauseBeforeItsDriveEndsIt) {
     }
 }
 
+TEST_F(MoveFault, APauseBeforeItsFirstStepEndsNothing) {
+    arm();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_pause(&rig.client, family_now_us(&rig)));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_drive(&rig.client, 0.1F, 0, 0, family_now_us(&rig)));
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, by(0.3F, 0));
+}
+
 TEST_F(MoveFault, APauseEndsOneThatBeginsWhileTheLastIsStopped) {
     arm();
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0.3F, 0, &options));
@@ -250,7 +290,7 @@ TEST_F(MoveFault, BeginsGentlyRightAfterAnother) {
 
 TEST_F(MoveFault, ComingToRestTakesNoneOfItsTime) {
     arm();
-    options.linear_m_s2 = 0.3F;
+    options.max_linear_m_s2 = 0.3F;
     options.clearance_m = 0;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0.2F, 0, &options));
     const std::uint32_t begun_ms = rig.now_ms;
@@ -269,7 +309,7 @@ TEST_F(MoveFault, WaitsForACommandThatIsNotFollowedYet) {
         rig.loss = 0;
         ASSERT_EQ(ROBUROC4_OK,
                   roburoc4_client_drive(&rig.client, 0.2F, -0.2F, 0, family_now_us(&rig)));
-        family_pass(&rig, 10 + state % 240);
+        family_pass(&rig, static_cast<std::uint32_t>(10 + state % 240));
         const double before_m = rig.robot.distance_m;
         reached += by(i % 2 == 0 ? 1.0F : 0.0F, i % 2 == 0 ? 0.0F : 1.0F) == ROBUROC4_MOVE_REACHED;
         EXPECT_LT(rig.robot.distance_m - before_m, i % 2 == 0 ? 1.2 : 0.2) << i;
@@ -357,15 +397,17 @@ TEST_F(MoveInACurve, NeverStandsForLongAndThenGoesOn) {
 }
 
 TEST_F(MoveInACurve, IsReachedOnItsArcOnly) {
-    int beside = 0;
+    int beside = 0, odometry = 0;
     for (int i = 0; i < 600; i++) {
         draw_robot();
         const double length_m = drawn.between(0.4, 3), angle_rad = drawn.between(0.3, 3);
         const double x_m = rig.robot.x_m, y_m = rig.robot.y_m,
                      left = rig.robot.theta_rad + 90 * degree;
         const double radius_m = length_m / angle_rad;
-        if (by(static_cast<float>(length_m), static_cast<float>(angle_rad)) !=
-            ROBUROC4_MOVE_REACHED)
+        const std::int32_t outcome =
+            by(static_cast<float>(length_m), static_cast<float>(angle_rad));
+        odometry += outcome == ROBUROC4_MOVE_ODOMETRY;
+        if (outcome != ROBUROC4_MOVE_REACHED)
             continue;
         const double from_middle_m = std::hypot(rig.robot.x_m - x_m - radius_m * std::cos(left),
                                                 rig.robot.y_m - y_m - radius_m * std::sin(left));
@@ -373,14 +415,15 @@ TEST_F(MoveInACurve, IsReachedOnItsArcOnly) {
         beside += std::fabs(radius_m - from_middle_m) > 0.03 + 0.01 * length_m;
     }
     EXPECT_LE(beside, 2) << "of 600: 1 of 36,000 was found";
+    EXPECT_LE(odometry, 1) << "of 600: 1 of 180,000 was found";
 }
 
 TEST_F(MoveInACurve, DrivesNoFartherThanItsWay) {
     for (int i = 0; i < 300; i++) {
         draw_robot();
         const double length_m = drawn.between(0.5, 10), angle_rad = drawn.between(-12, 12);
-        options.linear_m_s = static_cast<float>(drawn.between(0.3, 1));
-        options.angular_rad_s = static_cast<float>(drawn.between(0.3, 1.5));
+        options.max_linear_m_s = static_cast<float>(drawn.between(0.3, 1));
+        options.max_angular_rad_s = static_cast<float>(drawn.between(0.3, 1.5));
         (void)by(static_cast<float>(length_m), static_cast<float>(angle_rad));
         EXPECT_LT(drove(), 1.3 * length_m + 0.5) << i;
         EXPECT_GT(drove(), -0.5) << i;
@@ -420,7 +463,7 @@ class MoveInterrupted : public MoveFault {
             const double way = drawn.between(0.5, 3), speed = drawn.between(0.2, 1);
             const double from_s = drawn.between(0, way / speed), span_s = drawn.between(0.02, 0.9);
             const double begun_s = 1e-3 * rig.now_ms;
-            options.linear_m_s = options.angular_rad_s = static_cast<float>(speed);
+            options.max_linear_m_s = options.max_angular_rad_s = static_cast<float>(speed);
             const auto interrupt = [&] {
                 const double passed_s = 1e-3 * rig.now_ms - begun_s - from_s;
                 if (passed_s > 0 && passed_s < span_s)
@@ -447,7 +490,7 @@ TEST_F(MoveInterrupted, GoesNoFurtherThanItsGoal) {
     const std::uint64_t state = drawn_seed();
     interrupt_moves(state);
     EXPECT_LE(furthest, 1) << "of 300: 1 of 18,000 was found";
-    EXPECT_LE(far, 8) << "of 300: 51 of 18,000 were found";
+    EXPECT_LE(far, 15) << "of 300: 17 of 1,200 were found";
 }
 
 /** These seeds are always the same: what nine of ten robots do. */
@@ -461,9 +504,9 @@ TEST_F(MoveInterrupted, GoesOnAndPassesItsGoalByMillimetres) {
         beyond_m += mean_m / 4;
     }
     std::printf("%d reached, %d far, %g m\n", most_reached, most_far, beyond_m);
-    EXPECT_GE(most_reached, 1045) << "of 1,200";
-    EXPECT_LE(most_far, 8) << "of 1,200";
-    EXPECT_LT(beyond_m, 0.0062);
+    EXPECT_GE(most_reached, 1040) << "of 1,200";
+    EXPECT_LE(most_far, 20) << "of 1,200";
+    EXPECT_LT(beyond_m, 0.0095);
 }
 
 TEST_F(MoveFault, ForATimeGoesOnAfterAnInterruption) {
@@ -481,21 +524,11 @@ TEST_F(MoveFault, ForATimeGoesOnAfterAnInterruption) {
 
 /* ------------------------------------------------------------------------------ the witnesses */
 
-TEST_F(MoveFault, WithoutPosesItIsLost) {
-    arm();
-    const std::uint32_t silent_ms = rig.now_ms + 1500;
-    EXPECT_EQ(ROBUROC4_MOVE_LOST, by(2, 0, [&] {
-                  if (rig.now_ms > silent_ms)
-                      rig.robot.silent |= 1U << ROBUROC4_SERVICE_LOCALIZATION;
-              }));
-    EXPECT_LT(drove(), 1.2);
-}
-
 TEST_F(MoveFault, FrozenOdometryEndsIt) {
     arm();
     rig.robot.frozen = 1;
     for (const float speed : {0.3F, 1.0F}) {
-        options.linear_m_s = options.angular_rad_s = speed;
+        options.max_linear_m_s = options.max_angular_rad_s = speed;
         EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, by(1, 0));
         EXPECT_LT(drove(), 1.3) << speed;
         EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, by(0, static_cast<float>(90 * degree)));
@@ -510,6 +543,27 @@ TEST_F(MoveFault, MirroredTurnsEndIt) {
     EXPECT_LT(std::fabs(turned()), 120 * degree);
 }
 
+/** Nothing contradicts wheels that count too little, but how much is commanded. */
+TEST_F(MoveFault, WheelsThatCountTooLittleTakeItAtMostAQuarterTooFar) {
+    Drawn drawn;
+    for (int i = 0; i < 100; i++) {
+        family_prepare(&rig, &nominal, 1);
+        arm();
+        rig.robot.scale_distance = rig.robot.scale_angle = rig.robot.scale_speeds =
+            drawn.between(0.45, 0.75);
+        const bool turn = i % 2 != 0;
+        const double way = drawn.between(0.5, 4), unit = turn ? 1.75 : 1;
+        options.max_linear_m_s = static_cast<float>(drawn.between(0.3, 1));
+        options.max_angular_rad_s = static_cast<float>(drawn.between(0.3, 1.5));
+        turn ? by(0, static_cast<float>(way)) : by(static_cast<float>(way), 0);
+        family_pass(&rig, 3000);
+        EXPECT_GT(turn ? turned() : drove(), 0.3 * way)
+            << "it may end early, but not before it went anywhere";
+        EXPECT_LT(turn ? turned() : drove(), 1.25 * way + 0.25 * unit)
+            << way << ", scale " << rig.robot.scale_speeds;
+    }
+}
+
 TEST_F(MoveFault, OdometryAtHalfScaleEndsIt) {
     rig.robot.scale_distance = rig.robot.scale_angle = 0.5;
     arm();
@@ -520,14 +574,18 @@ TEST_F(MoveFault, OdometryAtHalfScaleEndsIt) {
 }
 
 TEST_F(MoveFault, OdometryAndSpeedsThatAgreeButNotWithItsCommandsEndIt) {
-    family_member larger = nominal; /* than its wheels count */
-    larger.natural_rad_s = 0;
-    larger.gain = 0.55;
-    ASSERT_EQ(1, family_open(&rig, &larger, 1));
-    for (const float speed : {0.3F, 1.0F}) {
-        options.linear_m_s = options.angular_rad_s = speed;
-        EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, by(1.5F, 0)) << speed;
-        EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, by(0, 2)) << speed;
+    for (const auto &[gain, scale] : {std::pair(0.55, 1.0), {0.72, 1.2}, {0.864, 0.833}}) {
+        family_member larger = nominal; /* than its wheels count */
+        larger.natural_rad_s = 0;
+        larger.gain = gain;
+        family_prepare(&rig, &larger, 1);
+        rig.robot.scale_distance = rig.robot.scale_angle = scale;
+        arm();
+        for (const float speed : {0.3F, 1.0F}) {
+            options.max_linear_m_s = options.max_angular_rad_s = speed;
+            EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, by(gain < 0.6 ? 1.5F : 4, 0)) << gain << " " << speed;
+            EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, by(0, gain < 0.6 ? 2 : 6)) << gain << " " << speed;
+        }
     }
 }
 
@@ -593,12 +651,15 @@ TEST_F(MoveFault, APoseFromBeforeARebootPlansNothing) {
 }
 
 TEST_F(MoveFault, BesideItsGoalIsNotReached) {
-    arm();
-    EXPECT_EQ(ROBUROC4_MOVE_OFF_COURSE, by(1, 0, [&] {
-                  if (drove() > 0.9 && rig.robot.odometry_y_m < 0.06)
-                      rig.robot.odometry_y_m += 0.002; /* another program corrects it */
-              }));
-    EXPECT_NEAR(1, drove(), 0.02);
+    for (const float way_m : {1.0F, 6.0F}) { /* a hundredth of it is near enough */
+        family_prepare(&rig, &nominal, 1);
+        arm();
+        EXPECT_EQ(way_m > 1 ? ROBUROC4_MOVE_REACHED : ROBUROC4_MOVE_OFF_COURSE, by(way_m, 0, [&] {
+                      if (drove() > double{way_m} - 0.1 && rig.robot.odometry_y_m < 0.06)
+                          rig.robot.odometry_y_m += 0.002; /* another program corrects it */
+                  }));
+        EXPECT_NEAR(way_m, drove(), 0.02);
+    }
 }
 
 TEST_F(MoveFault, AnArcThatIsReachedEndsAtItsEnd) {
@@ -651,6 +712,33 @@ TEST_F(MoveFault, WithoutAnyTelemeterInItsDirectionItDoesNotBegin) {
     }
 }
 
+/** Slow robots that compute pose and speeds seldom: what a move learns of them may be wrong. */
+TEST_F(MoveFault, KeepsItsClearanceWhateverTheRobotIsLike) {
+    Drawn drawn;
+    for (int i = 0; i < 300; i++) {
+        family_member slow = nominal;
+        slow.natural_rad_s = drawn.between(1.5, 2.6);
+        slow.damping = drawn.between(0.8, 1.5);
+        slow.gain = drawn.between(0.85, 1.15);
+        slow.dead_ms = static_cast<std::uint32_t>(drawn.between(0, 150));
+        slow.odometry_ms = 10 * static_cast<std::uint32_t>(drawn.between(1, 21));
+        slow.status_ms = 10 * static_cast<std::uint32_t>(drawn.between(1, 11));
+        family_prepare(&rig, &slow, static_cast<std::uint64_t>(drawn.between(0, 1e9)));
+        rig.robot.speeds_stand = 1;
+        rig.pose_ms = 10 * static_cast<std::uint32_t>(drawn.between(5, 31));
+        arm();
+        rig.robot.wall_x_m = drawn.between(0.9, 3.5);
+        options.max_linear_m_s = static_cast<float>(drawn.between(0.3, 1));
+        EXPECT_EQ(ROBUROC4_MOVE_OBSTACLE, by(4, 0));
+        family_pass(&rig, 8000);
+        EXPECT_GT(rig.robot.wall_x_m - rig.robot.x_m, 0.2)
+            << slow.natural_rad_s << " rad/s, damping " << slow.damping << ", gain " << slow.gain
+            << ", dead " << slow.dead_ms << " ms, odometry " << slow.odometry_ms << ", speeds "
+            << slow.status_ms << ", pose " << rig.pose_ms << " ms, " << options.max_linear_m_s
+            << " m/s";
+    }
+}
+
 TEST_F(MoveFault, WithoutABumperOfItsOwnItDoesNotBegin) {
     const std::int32_t outcomes[] = {ROBUROC4_MOVE_NO_FRONT_BUMPER, ROBUROC4_MOVE_NO_REAR_BUMPER};
     for (const int bumper : {0, 1}) {
@@ -674,12 +762,12 @@ TEST_F(MoveFault, TelemetersThatFallSilentKeepItAwayFromTheWall) {
     arm();
     rig.robot.wall_x_m = 3;
     for (const float speed : {0.3F, 1.0F}) {
-        options.linear_m_s = speed;
+        options.max_linear_m_s = speed;
         const std::int32_t result = by(4, 0, [&] {
             if (3 - rig.robot.x_m < 1.8)
                 rig.robot.silent |= 1U << ROBUROC4_SERVICE_TELEMETER;
         });
-        EXPECT_NE(ROBUROC4_MOVE_REACHED, result);
+        EXPECT_EQ(speed < 1 ? ROBUROC4_MOVE_NO_FRONT_TELEMETER : ROBUROC4_MOVE_OBSTACLE, result);
         EXPECT_GT(3 - rig.robot.x_m, 0.45) << speed;
         rig.robot.silent = 0;
         rig.robot.x_m = 0;
@@ -704,6 +792,7 @@ TEST_F(MoveFault, ATimeIsATimeRightAfterAnotherMove) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_for(&move, 0.3F, 0, 1000, &options));
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, go());
     EXPECT_NEAR(1000, rig.last_ms - rig.first_ms, 20);
+    EXPECT_LT(rig.steepest[0], 0.51);
 }
 
 TEST_F(MoveFault, ATimeIsATimeHoweverFarTheRobotComes) {
@@ -740,9 +829,9 @@ TEST_F(MoveFault, DegreesAndSpeedsBeyondAnyRobotAreRefused) {
         EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_for(&move, speed, 0, 1000, &options)) << speed;
         EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_for(&move, 0, speed, 1000, &options)) << speed;
     }
-    options.linear_m_s = 100;
+    options.max_linear_m_s = 100;
     EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_by(&move, 1, 0, &options));
-    options.linear_m_s = 1.1F;
+    options.max_linear_m_s = 1.1F;
     arm();
     EXPECT_EQ(ROBUROC4_MOVE_TOO_FAST, by(1, 0));
     EXPECT_NEAR(0, drove(), 0.001);

@@ -151,15 +151,15 @@ TEST(Names, ChangesHaveASentenceForEachDirection) {
          "[A] on the game pad was released"},
         {ROBUROC4_EVENT_OTHER_COMMANDER, "another client commands the robot",
          "no other client commands the robot any more"},
-        {ROBUROC4_EVENT_INHIBITED, "motion inhibited: the robot does not move although it should",
-         "the robot moves again, or no speed is commanded"},
+        {ROBUROC4_EVENT_INHIBITED, "motion inhibited: the robot does not follow its commands",
+         "the robot follows its commands again, or none is given"},
     };
     for (const auto &change : changes) {
         EXPECT_STREQ(change.began, roburoc4_name(ROBUROC4_NAME_EVENT_BEGAN, change.event));
         EXPECT_STREQ(change.ended, roburoc4_name(ROBUROC4_NAME_EVENT_ENDED, change.event));
     }
     for (const uint32_t other :
-         std::initializer_list<uint32_t>{0, ROBUROC4_EVENT_STATE, ROBUROC4_EVENT_STOPPED,
+         std::initializer_list<uint32_t>{0, ROBUROC4_EVENT_STATE, ROBUROC4_EVENT_STOP_CONFIRMED,
                                          ROBUROC4_EVENT_BATTERY_LOW, ROBUROC4_EVENT_ARMABLE}) {
         EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_EVENT_BEGAN, other)) << other;
         EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_EVENT_ENDED, other)) << other;
@@ -180,12 +180,12 @@ const struct {
     {ROBUROC4_ERR_SIZE, "struct size differs from the library's"},
     {ROBUROC4_ERR_CONFIG, "configuration value out of range"},
     {ROBUROC4_ERR_STATE, "client not started, or closing"},
-    {ROBUROC4_ERR_UNKNOWN, "not reported by the robot yet: wait, then try again"},
+    {ROBUROC4_ERR_NOT_KNOWN, "not reported by the robot yet: wait, then try again"},
     {ROBUROC4_ERR_INDEX, "the robot has no such channel"},
     {ROBUROC4_ERR_RESERVED, "output 0 belongs to the robot: use output 1 or above"},
     {ROBUROC4_ERR_NOT_FINITE, "NaN or infinity: give finite numbers"},
     {ROBUROC4_ERR_UNMATCHED, "answer to no open request"},
-    {ROBUROC4_ERR_UNSUBSCRIBED, "status not subscribed to"},
+    {ROBUROC4_ERR_UNEXPECTED_STATUS, "status not subscribed to"},
     {ROBUROC4_ERR_OLD, "status not newer than the last"},
     {ROBUROC4_ERR_TIMEOUT,
      "the robot did not answer any of the tries: check the link, then try again"},
@@ -195,8 +195,9 @@ const struct {
      "no usable differential service: set differential_id if you know it"},
     {ROBUROC4_ERR_LIMITS, "the robot's speed limits are not usable: check its properties"},
     {ROBUROC4_ERR_STALE_DIFFERENTIAL,
-     "no recent differential status: check the link and the status period"},
-    {ROBUROC4_ERR_STALE_IOCARD, "no recent IO card status: check the link and the status period"},
+     "no recent differential status: check the link and the status period, then arm again"},
+    {ROBUROC4_ERR_STALE_IOCARD,
+     "no recent IO card status: check the link and the status period, then arm again"},
     {ROBUROC4_ERR_OVERRIDE_UNKNOWN,
      "game pad input unknown: wait a minute for its text, else set override_index or "
      "allow_unknown_override"},
@@ -204,24 +205,27 @@ const struct {
     {ROBUROC4_ERR_MOVING,
      "the robot is moving, or has a target: wait until it is at rest, or stop it"},
     {ROBUROC4_ERR_OTHER_COMMANDER, "another client commands the robot: end the other program"},
-    {ROBUROC4_ERR_LOST, "the robot fell silent: check cable and power"},
+    {ROBUROC4_ERR_LOST, "the robot fell silent: check cable and power, then arm again"},
     {ROBUROC4_ERR_REBOOT, "the robot restarted: check it, then arm again"},
     {ROBUROC4_ERR_CLOCK, "the clock went back: find out what sets this machine's clock"},
     {ROBUROC4_ERR_INHIBITED,
      "the robot does not follow its commands: check emergency stops, brakes selector and bumpers"},
-    {ROBUROC4_ERR_STOPPED, "stopped by stop(): call arm() to drive again"},
+    {ROBUROC4_ERR_STOP_CALLED, "stopped by stop(): call arm() to drive again"},
     {ROBUROC4_ERR_LAPSED,
      "the program did not renew its drive command in time: call arm() to drive again"},
-    {ROBUROC4_ERR_UPLINK, "commands reach the robot late or not at all: check the link"},
+    {ROBUROC4_ERR_UPLINK,
+     "commands reach the robot late or not at all: check the link, then arm again"},
     {ROBUROC4_ERR_UNITS,
      "these look like mm/s or degrees: give at most 5 m/s and 10 rad/s, and angles in radians"},
-    {ROBUROC4_ERR_NOT_SUBSCRIBED,
+    {ROBUROC4_ERR_SUBSCRIPTION_REFUSED,
      "no subscription to statuses that driving needs: the robot refused it (its list may be full: "
      "restart it) or has no such service"},
     {ROBUROC4_ERR_SYSTEM, "the operating system refused"},
     {ROBUROC4_ERR_RESOLVE,
      "host name has no address: check the spelling, or give the address in numbers"},
     {ROBUROC4_ERR_CLOSED, "already closed, or made before a fork: connect again"},
+    {ROBUROC4_ERR_BUSY,
+     "another thread drives a move with this pump: wait for its end, or stop it"},
 };
 
 TEST(ResultText, IsAnOwnSentenceForEachCode) {

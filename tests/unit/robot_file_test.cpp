@@ -81,7 +81,7 @@ TEST(RobotFile, ReadsWhatAPersonWrites) {
     EXPECT_EQ(-1.25F, value);
     EXPECT_EQ(ROBUROC4_OK, roburoc4_robot_file_get(&file, "linear_gain", &value));
     EXPECT_EQ(0.95F, value);
-    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_robot_file_get(&file, "iocard_id", &value));
+    EXPECT_EQ(ROBUROC4_ERR_NOT_KNOWN, roburoc4_robot_file_get(&file, "iocard_id", &value));
     EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_robot_file_get(&file, "nonsense", &value));
     EXPECT_EQ("# A RobuROC4: docs/first-contact.md explains the names.\n"
               "\n[inputs]\noverride_index = 9\n"

@@ -41,9 +41,7 @@ Bytes speed_status(ScriptedRobot &robot, std::uint64_t cycles, float target) {
 } // namespace
 
 TEST(Security, NoForgedDatagramMakesAClientCommandThatWasNotArmed) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     std::mt19937 random(1);
     for (int i = 0; i < 20000; i++) {
         bench.receive(forged(random));
@@ -60,8 +58,7 @@ TEST(Security, ForgedLimitsNeverLiftTheConfiguredCeilings) {
     roburoc4_config config = default_config();
     config.max_linear_m_s = 0.5F;
     config.max_angular_rad_s = 1.0F;
-    Bench bench(robot, config);
-    bench.armed();
+    Armed bench(robot, config);
     bench.driving(5.0F, 10.0F, 1 * second);
     ASSERT_GT(bench.speeds(), 0U);
     for (const auto &command : bench.commands()) {
@@ -73,19 +70,16 @@ TEST(Security, ForgedLimitsNeverLiftTheConfiguredCeilings) {
 TEST(Security, ForgedLimitsThatAreNotFinitePreventDriving) {
     ScriptedRobot robot;
     robot.differential.max_linear_m_s = std::numeric_limits<float>::quiet_NaN();
-    Bench bench(robot);
-    bench.ready();
+    Ready bench(robot);
     EXPECT_EQ(ROBUROC4_ERR_LIMITS, bench.arm());
 }
 
 TEST(Security, AForgedOverrideOnlyDisarms) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     bench.driving(0.5F, 0.0F, 200 * ms);
-    robot.press(ROBUROC4_DI_PAD_A);
-    bench.receive(robot.status_at(ROBUROC4_SERVICE_IOCARD, robot.cycles() + 1));
-    robot.press(ROBUROC4_DI_PAD_A, false);
+    bench.robot.press(ROBUROC4_DI_PAD_A);
+    bench.receive(bench.robot.status_at(ROBUROC4_SERVICE_IOCARD, bench.robot.cycles() + 1));
+    bench.robot.press(ROBUROC4_DI_PAD_A, false);
     EXPECT_EQ(0, bench.facts().armed);
     bench.sent.clear();
     bench.run(1 * second);
@@ -94,14 +88,12 @@ TEST(Security, AForgedOverrideOnlyDisarms) {
 }
 
 TEST(Security, AForgedConfirmationLeavesThreeZeros) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     bench.driving(0.5F, 0.0F, 200 * ms);
     bench.sent.clear();
     bench.stop();
     bench.poll();
-    bench.receive(speed_status(robot, robot.cycles() + 2, 0));
+    bench.receive(speed_status(bench.robot, bench.robot.cycles() + 2, 0));
     bench.run(1 * second);
     EXPECT_GE(bench.commands().size(), 3U);
     EXPECT_EQ(0U, bench.speeds());
@@ -109,8 +101,7 @@ TEST(Security, AForgedConfirmationLeavesThreeZeros) {
 
 TEST(Security, StatusesFromAFarFutureAreDropped) {
     ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench(robot);
     for (const std::uint32_t kind :
          std::vector<std::uint32_t>{ROBUROC4_SERVICE_DIFFERENTIAL, ROBUROC4_SERVICE_IOCARD})
         EXPECT_EQ(ROBUROC4_ERR_OLD,
@@ -124,9 +115,7 @@ TEST(Security, StatusesFromAFarFutureAreDropped) {
 }
 
 TEST(Security, AnAnswerToNoOpenRequestChangesNothing) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
+    Ready bench;
     const std::uint32_t before = bench.count(ROBUROC4_COUNT_UNMATCHED);
     for (int id = 0; id < 255; id++)
         bench.receive(plain_answer(static_cast<std::uint8_t>(id), ROBUROC4_ACTION_QUERY, 77, 1));
@@ -136,9 +125,7 @@ TEST(Security, AnAnswerToNoOpenRequestChangesNothing) {
 }
 
 TEST(Security, AFloodOfNonsenseDoesNotEndALeaseNorRenewIt) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
+    Armed bench;
     Bytes nonsense(2048, 0x01);
     for (int round = 0; round < 20; round++) {
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0.0F));

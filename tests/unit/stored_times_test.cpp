@@ -67,10 +67,8 @@ std::uint32_t value(const roburoc4_client &client, const StoredTime &time) {
 TEST(StoredTimes, NoneIsKeptForAsLongAsItsBitsHold) {
     for (const std::uint64_t asleep_s : {10U, 1800U, 4200U}) { /* between two polls */
         SCOPED_TRACE(asleep_s);
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.ready();
-        robot.powered = false;
+        Ready bench;
+        bench.robot.powered = false;
         for (const StoredTime &time : times)
             std::memcpy(reinterpret_cast<char *>(&bench.client) + time.offset,
                         &bench.client.private_timer.now_us, sizeof(std::uint32_t));
@@ -91,7 +89,7 @@ TEST(StoredTimes, NoneIsKeptForAsLongAsItsBitsHold) {
                 ASSERT_LT(passed_s - at_s, 2400 + asleep_s) << time.name;
             }
         }
-        robot.powered = true;
+        bench.robot.powered = true;
         bench.run(10 * second);
         EXPECT_EQ(ROBUROC4_OK, bench.arm());
     }
@@ -112,7 +110,7 @@ TEST(StoredTimes, AreAllKnownToThisTest) {
         for (std::sregex_iterator n(names.begin(), names.end(), name); n != end; ++n) {
             found++;
             EXPECT_EQ(1U, known.count(n->str()))
-                << n->str() << ": does client.c limit its age, and is it here?";
+                << n->str() << ": does lifecycle.c limit its age, and is it here?";
         }
     }
     EXPECT_GT(found, 30U);
@@ -121,8 +119,7 @@ TEST(StoredTimes, AreAllKnownToThisTest) {
 /** A program that hung for hours, and then receives what waited in its socket. */
 TEST(StoredTimes, NoAgeIsBelievedThatIsLongerThanTimesAreKept) {
     for (const bool answered : {false, true}) {
-        ScriptedRobot robot;
-        Bench bench(robot);
+        RobotBench bench;
         std::vector<Bytes> waiting;
         if (answered)
             bench.ready();

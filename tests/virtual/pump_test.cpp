@@ -124,6 +124,21 @@ TEST_F(Pump, DrivesAMoveToItsEnd) {
     EXPECT_EQ(on_client(pump_, roburoc4_client_drive, 0.1f, 0.0f, 0u), ROBUROC4_OK) << "armed";
 }
 
+TEST_F(Pump, DrivesOneMoveAtATime) {
+    create_armed();
+    roburoc4_move move{}, other{};
+    ASSERT_EQ(roburoc4_move_by(&move, 0.5f, 0.0f, nullptr), ROBUROC4_OK);
+    ASSERT_EQ(roburoc4_move_by(&other, -0.5f, 0.0f, nullptr), ROBUROC4_OK);
+    Thread second([&] {
+        sleep_ms(500);
+        EXPECT_EQ(roburoc4_pump_move(pump_, &other), ROBUROC4_ERR_BUSY);
+    });
+    EXPECT_EQ(roburoc4_pump_move(pump_, &move), ROBUROC4_MOVE_REACHED);
+    second.join();
+    EXPECT_EQ(roburoc4_pump_move(pump_, &other), ROBUROC4_MOVE_REACHED);
+    EXPECT_NEAR(robot_->state().odometry_x_m, 0.0, 0.05);
+}
+
 TEST_F(Pump, ARequestedStopEndsItsMove) {
     create_armed();
     roburoc4_move move{};
@@ -135,7 +150,7 @@ TEST_F(Pump, ARequestedStopEndsItsMove) {
     EXPECT_GE(robot_->speeds(), 2u);
     sleep_ms(500);
     EXPECT_LE(robot_->first_zero_us(), stop_us + 10 * kMs + sys.delay_us);
-    EXPECT_EQ(on_client(pump_, roburoc4_client_drive, 0.1f, 0.0f, 0u), ROBUROC4_ERR_STOPPED);
+    EXPECT_EQ(on_client(pump_, roburoc4_client_drive, 0.1f, 0.0f, 0u), ROBUROC4_ERR_STOP_CALLED);
 }
 
 TEST_F(Pump, AStopRightBeforeAMoveEndsItAtOnce) {
@@ -373,11 +388,11 @@ TEST_F(Pump, ArmingRefusesAtOnceWhatWaitingCannotChange) {
 TEST_F(Pump, ArmingIsEndedByAStopAndByTheEnd) {
     robot_->silent = true;
     create();
-    for (const roburoc4_result expected : {ROBUROC4_ERR_STOPPED, ROBUROC4_ERR_CLOSED}) {
+    for (const roburoc4_result expected : {ROBUROC4_ERR_STOP_CALLED, ROBUROC4_ERR_CLOSED}) {
         const uint64_t ends_us = sys.now_us + 50 * kMs;
         Thread later([&] {
             sleep_ms(50);
-            if (expected == ROBUROC4_ERR_STOPPED) {
+            if (expected == ROBUROC4_ERR_STOP_CALLED) {
                 roburoc4_pump_request_stop(pump_);
             } else {
                 roburoc4_pump_close(pump_);
@@ -392,7 +407,7 @@ TEST_F(Pump, ArmingIsEndedByAStopAndByTheEnd) {
 TEST_F(Pump, AStopRightBeforeArmingWinsOnceOnly) {
     create_armed();
     roburoc4_pump_request_stop(pump_);
-    EXPECT_EQ(roburoc4_pump_arm(pump_, 0), ROBUROC4_ERR_STOPPED) << "asked for before the call";
+    EXPECT_EQ(roburoc4_pump_arm(pump_, 0), ROBUROC4_ERR_STOP_CALLED) << "asked for before the call";
     EXPECT_EQ(roburoc4_pump_arm(pump_, kSecond), ROBUROC4_OK);
 }
 
@@ -586,7 +601,7 @@ TEST_F(Pump, RequestStopStopsTheRobotAtOnceAndDisarms) {
     sleep_ms(300);
     expect_stopped_at(asked_us);
     EXPECT_EQ(robot_->first_zero_us(), asked_us + sys.delay_us);
-    EXPECT_EQ(on_client(pump_, roburoc4_client_drive, 0.5f, 0.0f, 0u), ROBUROC4_ERR_STOPPED);
+    EXPECT_EQ(on_client(pump_, roburoc4_client_drive, 0.5f, 0.0f, 0u), ROBUROC4_ERR_STOP_CALLED);
     EXPECT_EQ(roburoc4_pump_running(pump_), 1) << "the link lives on";
     EXPECT_EQ(roburoc4_pump_arm(pump_, kSecond), ROBUROC4_OK) << "as after any stop()";
     drive_on();
@@ -881,6 +896,22 @@ TEST_F(Pump, ASampleHasTheTimeOfItsMeasurementUnlessThatIsTenSecondsAgo) {
     }
 }
 
+TEST_F(Pump, AStatusFromBeforeARestartWasMadeWhenItArrived) {
+    create();
+    sleep_ms(60000);
+    robot_.reset();
+    robot_ = std::make_unique<Robot>();
+    roburoc4_pump_reader reader{};
+    ASSERT_GT(roburoc4_pump_wait_events(pump_, &reader, ROBUROC4_EVENT_REBOOT, 20 * kSecond), 0);
+    sleep_ms(200);
+    roburoc4_sample latest;
+    const roburoc4_client *client = roburoc4_pump_lock(pump_);
+    ASSERT_EQ(roburoc4_sample_latest(client, ROBUROC4_SERVICE_BATTERY, &latest), ROBUROC4_OK);
+    roburoc4_pump_unlock(pump_);
+    ASSERT_GT(latest.robot_cycles, 5000u) << "from before";
+    EXPECT_EQ(latest.made_us, latest.host_us);
+}
+
 TEST_F(Pump, WaitingEndsWithItsTime) {
     robot_->silent = true;
     create();
@@ -906,7 +937,9 @@ TEST_F(Pump, EventsAreTakenByEachReaderForItself) {
     EXPECT_EQ(roburoc4_pump_wait_events(pump_, &second, ROBUROC4_EVENT_REBOOT, 500000), 0)
         << "others than those of the mask do not end the wait";
     EXPECT_EQ(sys.now_us, began_us + 500000);
-    EXPECT_GT(roburoc4_pump_wait_events(pump_, &second, ROBUROC4_EVENT_IOCARD, 0), 0);
+    EXPECT_EQ(roburoc4_pump_wait_events(pump_, &second, ROBUROC4_EVENT_IOCARD, 0),
+              int64_t{ROBUROC4_EVENT_IOCARD})
+        << "of those that occurred";
     EXPECT_NE(roburoc4_pump_take_events(pump_, &second) & ROBUROC4_EVENT_IOCARD, 0)
         << "waiting does not take";
 }
@@ -924,7 +957,7 @@ TEST_F(Pump, KeepsTheRobotsTexts) {
     const auto description = [&](int32_t kind, uint32_t index, size_t capacity = sizeof text) {
         return roburoc4_pump_description(pump_, kind, index, text, capacity);
     };
-    EXPECT_EQ(description(ROBUROC4_IO_DIGITAL_INPUT, 63), ROBUROC4_ERR_UNKNOWN);
+    EXPECT_EQ(description(ROBUROC4_IO_DIGITAL_INPUT, 63), ROBUROC4_ERR_NOT_KNOWN);
     sleep_ms(5000);
     const int32_t kinds[] = {-1, ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_IO_DIGITAL_INPUT,
                              ROBUROC4_IO_DIGITAL_OUTPUT};

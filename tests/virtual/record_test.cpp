@@ -206,6 +206,28 @@ TEST_F(Record, WhatASlowDiskDropsIsCountedInTheFile) {
     expect_gaps_are_counted(all);
 }
 
+TEST_F(Record, EachFileCountsWhatWasDroppedDuringIt) {
+    options_.buffer_bytes = 4096;
+    options_.max_file_bytes = 3000;
+    open();
+    for (const int count : {500, 20}) {
+        for (int i = 0; i < count; i++)
+            take();
+        sleep_ms(1000);
+    }
+    EXPECT_EQ(close(), ROBUROC4_OK);
+    uint64_t dropped = 0, datagrams = 0;
+    for (const auto &[name, content] : sys.files) {
+        const Capture one = capture(name);
+        EXPECT_EQ(one.received, one.dropped + one.datagrams.size()) << name;
+        dropped += one.dropped;
+        datagrams += one.datagrams.size();
+    }
+    EXPECT_GT(sys.files.size(), 1u);
+    EXPECT_EQ(dropped, last_.dropped);
+    EXPECT_EQ(dropped + datagrams, 520u);
+}
+
 TEST_F(Record, ADatagramThatFitsIsWrittenWithTheGapBeforeItAndNothingBeyondTheBuffer) {
     options_.buffer_bytes = 4096;
     here_.family = there_.family = 6;
@@ -246,6 +268,22 @@ TEST_F(Record, ADiskThatHasRoomAgainIsWrittenToAgain) {
     EXPECT_FALSE(capture().is_cut);
     EXPECT_EQ(capture().datagrams.size(), 20u);
     expect_gaps_are_counted(capture());
+}
+
+TEST_F(Record, AFileThatEndsOnAFullDiskGetsItsStatisticsOnceThereIsRoom) {
+    options_.max_file_s = 1;
+    open();
+    take();
+    sleep_ms(2000);
+    sys.disk_room = 10;
+    take();
+    sleep_ms(1000);
+    sys.disk_room = UINT64_MAX;
+    sleep_ms(200);
+    EXPECT_EQ(close(), ROBUROC4_OK);
+    EXPECT_EQ(last_.files, 2u);
+    EXPECT_EQ(capture("run.pcapng").received, 1u);
+    EXPECT_EQ(capture("run.2.pcapng").received, 1u);
 }
 
 TEST_F(Record, AFullDiskIsNotTriedMoreThanTenTimesASecond) {

@@ -281,15 +281,12 @@ TEST_F(Faults, EveryFaultOnReceivingIsSkipped) {
     open();
     sys.receives = {ROBUROC4_OS_FAULT, ROBUROC4_OS_OVERSIZED, ROBUROC4_OS_FAULT,
                     ROBUROC4_OS_DATAGRAM};
-    EXPECT_EQ(roburoc4_udp_receive_one(&udp_, &client_, nullptr, nullptr), ROBUROC4_UDP_DROPPED);
+    EXPECT_EQ(roburoc4_udp_receive(&udp_, &client_, nullptr, nullptr), 0) << "it was no telegram";
     EXPECT_EQ(count(ROBUROC4_UDP_COUNT_REFUSED), 2u);
     EXPECT_EQ(count(ROBUROC4_UDP_COUNT_OVERSIZED), 1u);
     EXPECT_EQ(count(ROBUROC4_UDP_COUNT_RECEIVED), 1u);
     EXPECT_EQ(udp_.fault, uint32_t{ROBUROC4_FAULT_NONE}) << "a datagram came in";
     EXPECT_EQ(udp_.system_error, 0);
-    size_t size = 7;
-    EXPECT_EQ(roburoc4_udp_receive_one(&udp_, &client_, nullptr, &size), ROBUROC4_UDP_NOTHING);
-    EXPECT_EQ(size, 0u);
 }
 
 TEST_F(Faults, SaysHowManyDatagramsLeftAndHowManyTheClientUsed) {
@@ -302,8 +299,7 @@ TEST_F(Faults, SaysHowManyDatagramsLeftAndHowManyTheClientUsed) {
         ASSERT_EQ(static_cast<size_t>(sent), sys.sent.size() - before);
         most = std::max(most, sent);
         virtual_system::sleep_ms(1);
-        while (roburoc4_udp_receive_one(&udp_, &client_, nullptr, nullptr) > 0) {
-        }
+        roburoc4_udp_receive(&udp_, &client_, nullptr, nullptr);
     }
     EXPECT_GT(most, 1);
     virtual_system::sleep_ms(200);
@@ -350,7 +346,7 @@ TEST_F(Faults, CanBeClosedRepeatedly) {
     EXPECT_EQ(roburoc4_udp_fd(&udp_), -1);
     EXPECT_EQ(roburoc4_udp_wait(&udp_, &client_, 1000), ROBUROC4_ERR_CLOSED);
     EXPECT_EQ(roburoc4_udp_transmit_all(&udp_, &client_), ROBUROC4_ERR_CLOSED);
-    EXPECT_EQ(roburoc4_udp_receive_one(&udp_, &client_, nullptr, nullptr), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_udp_receive(&udp_, &client_, nullptr, nullptr), ROBUROC4_ERR_CLOSED);
 }
 
 TEST_F(Faults, WaitingEndsAtTheEarlierOfDeadlineAndTimeout) {
@@ -402,9 +398,9 @@ TEST(Resolve, HasThePortOfTheTextElseTheDefault) {
 }
 
 TEST(Resolve, RefusesTextsThatAreNotAddresses) {
-    for (const char *text : {"", ":60000", "host:", "host:0", "host:65536", "host:100000",
-                             "host:-1", "host:6x", "[]", "[::1", "[::1]60000", "[::1]:", "[::1]:0",
-                             "[host]:1", "a b", " 1.2.3.4", "1.2.3.4\n", "a\x7f"}) {
+    for (const char *text : {"", ":60000", "host:", "host:0", "host:65536", "host:70000", "host:-1",
+                             "host:6x", "[]", "[::1", "[::1]60000", "[::1]:", "[::1]:0", "[host]:1",
+                             "a b", " 1.2.3.4", "1.2.3.4\n", "a\x7f"}) {
         roburoc4_address address{};
         EXPECT_EQ(roburoc4_udp_resolve(text, 1, &address), ROBUROC4_ERR_ARGUMENT) << text;
         EXPECT_EQ(address.family, 0) << text;

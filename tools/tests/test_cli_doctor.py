@@ -5,10 +5,9 @@ import errno
 import json
 import select
 import socket
-import subprocess
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -21,10 +20,7 @@ from roburoc4_tools.cli import app
 
 
 def _verdict(*arguments: str, robot: str, verdict: str | None = None) -> dict[str, Any]:
-    return _read(doctor("--json", "--seconds", "3", *arguments, robot=robot, verdict=verdict))
-
-
-def _read(done: subprocess.CompletedProcess[str]) -> dict[str, Any]:
+    done = doctor("--json", "--seconds", "3", *arguments, robot=robot, verdict=verdict)
     assert done.stderr == ""
     document = json.loads(done.stdout)
     assert document["verdict"]["code"] == done.returncode
@@ -86,49 +82,36 @@ def test_fault_no_statuses() -> None:
 
 
 @contextmanager
-def _relayed(
-    robot: str, front: socket.socket, answer: Callable[[bytes, tuple[str, int]], object]
-) -> Iterator[None]:
-    """Pass what arrives at ``front`` on to the robot, and what comes back to ``answer``."""
+def _from_another_port(robot: str) -> Iterator[tuple[str, str]]:
+    """Serve a robot whose statuses come from another port; both addresses."""
     host, _, port = robot.rpartition(":")
     to_robot: dict[tuple[str, int], socket.socket] = {}
     ended = threading.Event()
-
-    def relay() -> None:
-        while not ended.is_set():
-            for ready in select.select([front, *to_robot.values()], [], [], 0.1)[0]:
-                if ready is front:
-                    data, client = front.recvfrom(2048)
-                    if client not in to_robot:
-                        to_robot[client] = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-                        to_robot[client].connect((host, int(port)))
-                    to_robot[client].send(data)
-                else:
-                    data = ready.recv(2048)
-                    (client,) = [c for c, upstream in to_robot.items() if upstream is ready]
-                    answer(data, client)
-
-    thread = threading.Thread(target=relay)
-    thread.start()
-    try:
-        yield
-    finally:
-        ended.set()
-        thread.join()
-        for upstream in to_robot.values():
-            upstream.close()
-
-
-@contextmanager
-def _from_another_port(robot: str) -> Iterator[tuple[str, str]]:
-    """Serve a robot whose statuses come from another port; both addresses."""
     with _socket() as front, _socket() as other:
 
-        def answer(data: bytes, client: tuple[str, int]) -> None:
-            (other if data[:1] == b"\xff" else front).sendto(data, client)
+        def relay() -> None:
+            while not ended.is_set():
+                for ready in select.select([front, *to_robot.values()], [], [], 0.1)[0]:
+                    if ready is front:
+                        data, client = front.recvfrom(2048)
+                        if client not in to_robot:
+                            to_robot[client] = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+                            to_robot[client].connect((host, int(port)))
+                        to_robot[client].send(data)
+                    else:
+                        data = ready.recv(2048)
+                        (client,) = [c for c, upstream in to_robot.items() if upstream is ready]
+                        (other if data[:1] == b"\xff" else front).sendto(data, client)
 
-        with _relayed(robot, front, answer):
+        thread = threading.Thread(target=relay)
+        thread.start()
+        try:
             yield _address(front), _address(other)
+        finally:
+            ended.set()
+            thread.join()
+            for upstream in to_robot.values():
+                upstream.close()
 
 
 def test_fault_statuses_from_another_port() -> None:
@@ -196,8 +179,6 @@ def test_fault_missing_service() -> None:
 
 
 def test_fault_interrupted() -> None:
-    import threading
-
     with roburoc4.Simulator(port=0) as sim:
 
         def reboot_in_the_midst() -> None:

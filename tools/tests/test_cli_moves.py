@@ -5,6 +5,7 @@ import json
 import math
 import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from cli_support import document, one_line, run, start
@@ -59,6 +60,13 @@ def test_the_clearance_and_the_time_can_be_given(sim: roburoc4.Simulator) -> Non
     done = run("move", "-5", "--timeout", "1", "--json", robot=sim.address)
     assert done.returncode == 1
     assert json.loads(done.stdout)["outcome"] == "timeout"
+
+
+def test_a_speed_is_allowed_whatever_the_scale(sim: roburoc4.Simulator, tmp_path: Path) -> None:
+    file = tmp_path / "robot.txt"
+    file.write_text("scale_angular = 1.2\n")
+    done = run("turn", "1", "--speed", "1.5", "--robot-file", str(file), robot=sim.address)
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize(

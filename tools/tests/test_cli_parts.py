@@ -7,9 +7,9 @@ import math
 import pytest
 
 from roburoc4_tools.cli import options, output
-from roburoc4_tools.cli.deadman import FIRST_S, REPEAT_S, DeadMan
-from roburoc4_tools.cli.keyboard import Decoder, Key, is_ctrl_c
 from roburoc4_tools.cli.verdict import Findings, Stream, judge
+from roburoc4_tools.terminal.deadman import FIRST_S, REPEAT_S, DeadMan
+from roburoc4_tools.terminal.keyboard import Decoder, Key, is_ctrl_c
 
 # ------------------------------------------------------------------------------------- numbers
 
@@ -193,6 +193,3 @@ def test_each_fault_has_its_verdict(found: Findings, number: int, code: int) -> 
     assert (verdict.number, verdict.code) == (number, code)
     assert verdict.remedy
     assert any(character.isdigit() for character in verdict.sentence) or number == 1
-
-
-# --------------------------------------------------------------------------------------- texts

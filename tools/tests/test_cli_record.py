@@ -89,27 +89,20 @@ def test_a_file_with_contents_is_not_replaced_unasked(tmp_path: Path) -> None:
     assert _read(path)
 
 
-ROOM = 4001
-
-
-def _record_on_a_full_disk(path: Path, seconds: str) -> subprocess.CompletedProcess[str]:
+def test_on_a_full_disk_the_file_ends_after_a_whole_row(tmp_path: Path) -> None:
+    path, room = tmp_path / "run.csv", 4001
     with roburoc4.Simulator(port=0) as sim:
-        return subprocess.run(
-            [COMMAND, "record", str(path), "--seconds", seconds],
+        done = subprocess.run(
+            [COMMAND, "record", str(path), "--seconds", "20"],
             env=environment(sim.address),
             capture_output=True,
             text=True,
             timeout=120,
             check=False,
-            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (ROOM, ROOM)),
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (room, room)),
         )
-
-
-def test_on_a_full_disk_the_file_ends_after_a_whole_row(tmp_path: Path) -> None:
-    path = tmp_path / "run.csv"
-    done = _record_on_a_full_disk(path, "20")
     rows = _read(path)
-    assert path.stat().st_size <= ROOM
+    assert path.stat().st_size <= room
     assert path.read_bytes().endswith(b"\r\n")
     assert len(rows) > 5
     assert None not in rows[-1].values()

@@ -10,7 +10,7 @@ from cli_support import Terminal, last_command_is_zero
 from robot_support import until
 
 import roburoc4
-from roburoc4_tools.cli.deadman import REPEAT_S
+from roburoc4_tools.terminal.deadman import REPEAT_S
 
 RELEASES = "\x1b[?11u\x1b[?62;c"  # a terminal that reports releases
 NO_RELEASES = "\x1b[?62;c"

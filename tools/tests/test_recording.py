@@ -167,7 +167,7 @@ def test_a_robot_object_uses_the_recordings_time(path: Path) -> None:
         assert robot.battery.remaining_percent == 87
         assert robot.inputs["Battery voltage"] == pytest.approx(25.3, abs=0.01)
         rest = list(robot.statuses())
-        assert rest[-1].host_us == drive(5.0)[-4].time_us or len(rest) > 100
+        assert len(rest) > 100
         assert robot.closed
         with pytest.raises(roburoc4.RobotError):
             robot.arm()
@@ -205,9 +205,7 @@ def test_other_service_ids_are_those_of_the_directory(path: Path) -> None:
 def test_the_robot_can_be_chosen_if_there_are_several(path: Path) -> None:
     second = (b"\xc0\xa8\x00\x09", 60000)
     packets = drive(1.0)
-    packets += [
-        packet._replace(source=second) for packet in statuses(BEGIN_US, 3.0) if packet.time_us
-    ]
+    packets += [packet._replace(source=second) for packet in statuses(BEGIN_US, 3.0)]
     write(path, packets)
     assert recordings.open_recording(path).address == "192.168.0.9:60000"
     for name in ("192.168.0.2", "192.168.0.2:60000"):

@@ -74,7 +74,6 @@ def stamps(sent: list[tuple[float, tuple[str, int], bytes]]) -> list[int]:
 
 def test_requests_get_the_recorded_answers(path: Path) -> None:
     stage = Stage(path)
-    answers = {packet.payload[1:]: packet.payload for packet in discovery()}
     for at, packet in enumerate(discovery()):
         if packet.destination == ROBOT and packet.payload[1] != 4:
             request = bytes([100 + at % 50]) + packet.payload[1:]
@@ -84,7 +83,6 @@ def test_requests_get_the_recorded_answers(path: Path) -> None:
             assert given[:1] == request[:1]
             assert given[1:].startswith(recorded[1:])
             assert (len(given) > len(recorded)) == marked
-    assert answers
 
 
 def test_recorded_statuses_reach_subscribers_in_their_time(path: Path) -> None:

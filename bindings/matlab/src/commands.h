@@ -52,7 +52,7 @@ typedef enum result_kind {
     OTHER   /* made by the command */
 } result_kind;
 
-#define ARGUMENTS_MAX 7
+#define ARGUMENTS_MAX 8
 
 /** The call of a command. */
 typedef struct call {

@@ -21,7 +21,7 @@ static const struct {
     {ROBUROC4_ERR_RESERVED, FAIL_ARGUMENT}, {ROBUROC4_ERR_NOT_FINITE, FAIL_ARGUMENT},
     {ROBUROC4_ERR_TIMEOUT, FAIL_TIMEOUT},   {ROBUROC4_ERR_SYSTEM, FAIL_NETWORK},
     {ROBUROC4_ERR_RESOLVE, FAIL_NETWORK},   {ROBUROC4_ERR_CLOSED, FAIL_CLOSED},
-    {ROBUROC4_ERR_LIMITS, FAIL_LIMIT},      {ROBUROC4_ERR_UNITS, FAIL_ARGUMENT},
+    {ROBUROC4_ERR_UNITS, FAIL_ARGUMENT},
 };
 
 static const char *id_of(roburoc4_result result) {
@@ -30,8 +30,9 @@ static const char *id_of(roburoc4_result result) {
             return ids[i].id;
         }
     }
-    return result <= ROBUROC4_ERR_DISARMED && result >= ROBUROC4_ERR_NOT_SUBSCRIBED ? FAIL_NOT_ARMED
-                                                                                    : FAIL_PROTOCOL;
+    return result <= ROBUROC4_ERR_DISARMED && result >= ROBUROC4_ERR_SUBSCRIPTION_REFUSED
+               ? FAIL_NOT_ARMED
+               : FAIL_PROTOCOL;
 }
 
 int fail(const char *id, const char *format, ...) {

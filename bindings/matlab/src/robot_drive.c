@@ -95,7 +95,7 @@ static int relocalize(call *in) {
 static int is_relocalized(call *in) {
     const roburoc4_result result = client_facts(in->client, in->now_us).relocalize_result;
     in->number = result == ROBUROC4_OK;
-    return result == ROBUROC4_ERR_UNKNOWN || done("relocalize", result);
+    return result == ROBUROC4_ERR_NOT_KNOWN || done("relocalize", result);
 }
 
 /* subscribe(id, service, period_ms): a period of 0 ends a subscription */
@@ -106,18 +106,20 @@ static int subscribe(call *in) {
 
 /* ---------------------------------------------------------------------------------- moves --- */
 
-enum { BY, TO_POINT, TO_POSE, REST, MOVES };
+enum { BY, TO_POINT, TO_POSE, REST, FOR, MOVES };
 
 static roburoc4_result begin(roburoc4_move *move, int kind, const double *to,
                              const roburoc4_move_options *options) {
     return kind == BY         ? roburoc4_move_by(move, (float)to[0], (float)to[1], options)
            : kind == TO_POINT ? roburoc4_move_to_point(move, to[0], to[1], options)
            : kind == TO_POSE  ? roburoc4_move_to_pose(move, to[0], to[1], to[2], options)
+           : kind == FOR      ? roburoc4_move_for(move, (float)to[0], (float)to[1],
+                                                  (uint32_t)(to[2] * 1000), options)
                               : roburoc4_move_rest(move, options);
 }
 
-/* moveBegin(id, kind, x or distance, y or angle, theta, speed, clearance, timeout): a speed or
- * timeout of 0, and a clearance below 0, are the default */
+/* moveBegin(id, kind, x | distance | v, y | angle | w, theta | seconds, speed, clearance, timeout,
+ * allow_turns): a speed or timeout of 0, and a clearance below 0, are the default */
 static int begin_move(call *in) {
     const int kind = (int)in->numbers[0];
     const double *to = &in->numbers[1], speed = in->numbers[4], clearance_m = in->numbers[5];
@@ -127,20 +129,22 @@ static int begin_move(call *in) {
     if (kind != REST && !facts.armed) {
         return done("not moving", facts.disarm_cause);
     }
-    if (speed > 0) {
-        options.linear_m_s = (float)speed;
+    const bool in_place = kind == BY && to[0] == 0;
+    if (speed > 0 && !in_place) {
+        options.max_linear_m_s = (float)speed;
     }
     if (speed > 0 && kind == BY && to[1] != 0) { /* of an arc, both rates in proportion */
-        options.angular_rad_s = (float)(to[0] != 0 ? speed * fabs(to[1] / to[0]) : speed);
+        options.max_angular_rad_s = (float)(in_place ? speed : speed * fabs(to[1] / to[0]));
     }
     options.clearance_m = clearance_m < 0 ? options.clearance_m : (float)clearance_m;
     options.timeout_ms = (uint32_t)(in->numbers[6] * 1000);
+    options.allow_turns = in->numbers[7] != 0;
     const roburoc4_result result = begin(&((robot *)in->object)->move, kind, to, &options);
     return result >= 0 ||
            fail(FAIL_ARGUMENT,
                 result == ROBUROC4_ERR_UNITS
-                    ? "angles are in radians, at most two turns; speeds in m/s and rad/s, at most "
-                      "5 and 10"
+                    ? "angles are in radians, beyond two turns only with allow_turns; speeds in "
+                      "m/s and rad/s, at most 5 and 10"
                     : "a move is at most 10 km long, and turns by at most 10000 rad");
 }
 
@@ -191,7 +195,7 @@ const command robot_drive_commands[] = {
     {"moveBegin", CONTROL_ROBOT, NOTHING, begin_move,
      {WHOLE("kind", 0, MOVES - 1), FINITE("distance or x"), FINITE("angle or y"),
       WITHIN("theta", -1e4, 1e4), WITHIN("speed", 0, 100), WITHIN("clearance", -1, 100),
-      WITHIN("timeout", 0, 4e6)}},
+      WITHIN("timeout", 0, 4e6), SWITCH("allow_turns")}},
     {"moveStep", CONTROL_ROBOT, FLAG, step_move, {NONE}},
     {"moveResult", READ_ROBOT, STRUCT, read_move, {NONE}},
     LAST,

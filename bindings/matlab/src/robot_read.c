@@ -363,7 +363,7 @@ static const struct {
     {ROBUROC4_EVENT_ARMED, "armed"},
     {ROBUROC4_EVENT_DISARMED, "disarmed"},
     {ROBUROC4_EVENT_LAPSED, "lapsed"},
-    {ROBUROC4_EVENT_STOPPED, "stopped"},
+    {ROBUROC4_EVENT_STOP_CONFIRMED, "stop_confirmed"},
     {ROBUROC4_EVENT_OVERRIDE, "override"},
     {ROBUROC4_EVENT_OTHER_COMMANDER, "other_commander"},
     {ROBUROC4_EVENT_INHIBITED, "inhibited"},

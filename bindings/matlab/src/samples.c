@@ -40,7 +40,7 @@ static const struct {
      4,
      {VALUE("x_m", localization.x_m, FLOAT), VALUE("y_m", localization.y_m, FLOAT),
       VALUE("theta_rad", localization.theta_rad, FLOAT),
-      VALUE("localization_flags", localization.flags, BYTE)}},
+      VALUE("localization_flags", localization.flags, UINT)}},
     {"differential",
      4,
      {VALUE("target_linear_m_s", differential.target_linear_m_s, FLOAT),

@@ -17,7 +17,7 @@ static const char robot_file[] = "robot_file"; /* read before all others, which 
 /* Read the file that the options name, if they do: then `found`. */
 static int take_robot_file(const mxArray *options, roburoc4_robot_file *file, int *found) {
     const mxArray *value = mxIsStruct(options) ? mxGetField(options, 0, robot_file) : NULL;
-    char path[TEXT_SIZE], text[ROBUROC4_ROBOT_FILE_SIZE];
+    char path[TEXT_SIZE], text[4 * ROBUROC4_ROBOT_FILE_SIZE]; /* with room for comments */
     const char *remedy = NULL;
     uint32_t line = 0;
     *found = value != NULL;
@@ -32,7 +32,11 @@ static int take_robot_file(const mxArray *options, roburoc4_robot_file *file, in
         return fail(FAIL_ARGUMENT, "robot_file: %s cannot be opened", path);
     }
     const size_t length = fread(text, 1, sizeof text, opened);
+    const int whole = length < sizeof text && ferror(opened) == 0;
     (void)fclose(opened);
+    if (!whole) {
+        return fail(FAIL_ARGUMENT, "robot_file: %s cannot be read, or is longer than 24 kB", path);
+    }
     return roburoc4_robot_file_read(file, text, length, &line, &remedy) >= 0 ||
            fail(FAIL_ARGUMENT, "robot_file: %s: line %u: %s", path, (unsigned)line, remedy);
 }
@@ -60,7 +64,7 @@ static const field settings[] = {
     PERIOD("iocard_period_ms", IOCARD), PERIOD("telemeter_period_ms", TELEMETER),
     PERIOD("battery_period_ms", BATTERY), PERIOD("localization_period_ms", LOCALIZATION),
     PERIOD("differential_period_ms", DIFFERENTIAL),
-    OPTION("turn_keeping", TURN_KEEPING),
+    OPTION("keep_curvature", KEEP_CURVATURE),
     OPTION("allow_unknown_override", ALLOW_UNKNOWN_OVERRIDE),
     OPTION("ignore_other_commander", IGNORE_OTHER_COMMANDER),
     ROLE("override_index", OVERRIDE), ROLE("front_bumper_index", FRONT_BUMPER),

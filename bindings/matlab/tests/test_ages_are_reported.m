@@ -39,7 +39,7 @@ check(~any(isnan(r.speeds)), 'the robot is there again');
 % Never reported.
 quiet = sim.connect('localization_period_ms', 0);
 check(quiet.status.localization_age_s == Inf, 'the age of nothing');
-check(quiet.status.localization_flags == 255, 'flags that nobody reported');
+check(quiet.status.localization_flags == 2 ^ 32 - 1, 'flags that nobody reported');
 delete(quiet);
 delete(patient);
 delete(r);

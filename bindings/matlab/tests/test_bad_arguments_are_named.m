@@ -64,7 +64,7 @@ names_it('linear speed: this is a complex number', @() r.drive(1i, 0));
 names_it('seconds: this is NaN', @() r.sleep(NaN));
 names_it('distance or x: this is NaN', @() r.move(NaN));
 names_it('angle: this is NaN', @() r.turn(NaN));
-names_it('angles are in radians, at most two turns', @() r.turn(90));
+names_it('angles are in radians, beyond two turns only with allow_turns', @() r.turn(90));
 names_it('theta: -90 is more than one turn; give radians', @() r.goTo(1, 0, -90));
 names_it('the robot has no analog outputs', @() r.setAnalogOutput(0, 1));
 names_it('the robot has no digital output 8; give 0 to 7', @() r.setOutput(8, true));

@@ -12,7 +12,7 @@ r.sleep(0.1);
 r.stop();
 check(r.status.stopping && strcmp(r.status.stop_outcome, 'running'), 'the stop sequence runs');
 check_raises('roburoc4:notArmed', @() r.drive(0.3, 0));
-check(r.status.disarm_cause == roburoc4.Result.STOPPED, 'the cause');
+check(r.status.disarm_cause == roburoc4.Result.STOP_CALLED, 'the cause');
 check(~isempty(strfind(r.status.disarm_text, 'arm()')), '%s', r.status.disarm_text);
 check_raises('roburoc4:notArmed', @() r.driveFor(0.3, 0, 1));
 check_raises('roburoc4:notArmed', @() r.move(0.1));
@@ -52,7 +52,7 @@ mex('drive', r.id, 0.3, 0);
 r.pause();
 check_raises('roburoc4:moveEnded', @() mex('renew', r.id, 0.3, 0));
 r.rest();
-mex('moveBegin', r.id, 0, 2, 0, 0, 0, 0, 0);
+mex('moveBegin', r.id, 0, 2, 0, 0, 0, 0, 0, false);
 for k = 1:50
     check(mex('moveStep', r.id), 'the move runs');
     sim.step(0.02);

@@ -229,13 +229,25 @@ static uint64_t utc_offset_us(const connection *c) {
     return utc_us - after_us;
 }
 
-PyObject *connection_status(connection *c, const roburoc4_sample *sample) {
+static PyObject *record_of_status(connection *c, const roburoc4_sample *sample) {
     struct made *made = &c->made[sample->service - ROBUROC4_SERVICE_IOCARD];
     if (made->host_us != sample->host_us || made->utc_us == 0) {
         made->host_us = sample->host_us;
         made->utc_us = sample->made_us + utc_offset_us(c);
     }
     return record_of_sample(sample, (double)made->utc_us / 1e6);
+}
+
+PyObject *latest_status(connection *c, uint32_t service) {
+    roburoc4_client *client = connection_enter(c, 0);
+    roburoc4_sample sample;
+    roburoc4_result result;
+    if (client == NULL) {
+        return NULL;
+    }
+    result = roburoc4_sample_latest(client, service, &sample);
+    leave_call();
+    return result < 0 ? raise_result(result) : record_of_status(c, &sample);
 }
 
 uint32_t connection_fault(connection *c) {
@@ -249,22 +261,8 @@ uint32_t connection_fault(connection *c) {
 
 /* ------------------------------------------------------------------ moved by hand: a socket --- */
 
-/* Take what is there, one by one, as each may be a sample. What is due to be sent goes first. */
-static roburoc4_result receive(connection *c, roburoc4_client *client) {
-    int taken;
-    for (taken = 0; taken < ROBUROC4_UDP_BURST; taken++) {
-        const uint8_t *datagram;
-        size_t size;
-        roburoc4_result got = roburoc4_udp_receive_one(&c->udp, client, &datagram, &size);
-        if (got <= ROBUROC4_UDP_NOTHING) {
-            return got < 0 ? got : taken;
-        }
-        roburoc4_pump_collect(c->pump, datagram, size);
-        if (roburoc4_client_next_deadline(client) <= roburoc4_udp_now_us()) {
-            break;
-        }
-    }
-    return taken;
+static void seen(void *pump, const uint8_t *datagram, size_t size) {
+    roburoc4_pump_collect(pump, datagram, size);
 }
 
 PyObject *connection_exchange(connection *c) {
@@ -272,7 +270,7 @@ PyObject *connection_exchange(connection *c) {
     roburoc4_result result = ROBUROC4_ERR_CLOSED;
     if (client != NULL) {
         (void)roburoc4_udp_transmit_all(&c->udp, client);
-        result = receive(c, client);
+        result = roburoc4_udp_receive(&c->udp, client, seen, c->pump);
         (void)roburoc4_udp_transmit_all(&c->udp, client);
         roburoc4_pump_collect(c->pump, NULL, 0);
         roburoc4_pump_unlock(c->pump);
@@ -335,7 +333,7 @@ PyObject *read_samples(connection *c, roburoc4_pump_reader *reader, uint32_t mas
     list = PyList_New(0);
     for (roburoc4_result i = 0; list != NULL && i < got; i++) {
         if ((mask >> samples[i].service & 1u) != 0) {
-            list = append(list, connection_status(c, &samples[i]));
+            list = append(list, record_of_status(c, &samples[i]));
         }
     }
     return list;

@@ -97,9 +97,9 @@ void leave_call(void);
 roburoc4_pump *connection_pump(connection *c);
 roburoc4_udp *connection_udp(connection *c);
 uint64_t connection_now_us(const connection *c);
-/* The record of a sample. Its utc_s, when the robot made it, is by the clock that this machine
- * shows now; in virtual time by the simulation's. */
-PyObject *connection_status(connection *c, const roburoc4_sample *sample);
+/* The record of the latest status of a service. Its utc_s, when the robot made it, is by the clock
+ * that this machine shows now; in virtual time by the simulation's. */
+PyObject *latest_status(connection *c, uint32_t service);
 /* ROBUROC4_FAULT_*. */
 uint32_t connection_fault(connection *c);
 
@@ -131,8 +131,10 @@ PyObject *robot_file_write(PyObject *values);
 PyObject *robot_file_config(PyObject *values, roburoc4_config *config);
 PyObject *robot_file_sim_config(PyObject *values, roburoc4_sim_config *config);
 
-/* ---- what any robot answers (simulator.c) ---- */
+/* ---- simulated robots (simulator.c) ---- */
 
+/* A simulated robot on an IPv4 address and port (0: any free one). Also OSError. */
+simulation *new_simulation(const roburoc4_sim_config *config, const char *address, uint16_t port);
 /* Make the configuration that of a member of the family. */
 void draw_family(roburoc4_sim_config *config, uint64_t seed);
 /* The answer of a factory-new RobuROC4 to a request; its length, or 0 if it does not answer. */

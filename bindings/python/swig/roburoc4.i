@@ -33,7 +33,7 @@
 %rename("$ignore", regextarget=1) "^roburoc4_(client_(size|init|start|receive|poll_transmit|take_events|description|inputs|distances|battery|localization|differential))$";
 %rename("$ignore", regextarget=1) "^roburoc4_udp_(?!fault_text$|now_us$|resolve$|close$|fd$)";
 %rename("$ignore", regextarget=1) "^roburoc4_recorder_";
-%rename("$ignore", regextarget=1) "^roburoc4_pump_(?!close|running|description|reader|take_events|wait_events).*";
+%rename("$ignore", regextarget=1) "^roburoc4_(sample_latest$|pump_(?!close|running|description|reader|take_events|wait_events).*)";
 %rename("$ignore", regextarget=1) "^roburoc4_(sim_(config_(init|family|robot_file)|create|destroy|receive|advance|poll_transmit|next_deadline)|world_.*)$";
 
 #define ROBUROC4_API
@@ -46,7 +46,7 @@
 %include "roburoc4_codec.h"
 %include "roburoc4.h"
 %include "roburoc4_move.h"
-%rename("$ignore", regextarget=1) "^gate_(stop|hold|count_taken|clock_was_set)$";
+%rename("$ignore", regextarget=1) "^gate_(stop|hold|count_taken)$";
 %include "gate_client.h"
 %clear uint64_t now_us; /* from here on it is an argument */
 %include "roburoc4_udp.h"
@@ -57,7 +57,7 @@
 %include "gate.h"
 %include "reason.h"
 
-%rename("$ignore", regextarget=1) "^(raise_result|record_.*|status_.*|decode_status|put_item|take_.*|shortest|tuple_.*|leave_call|connection_(pump|udp|status)|simulation_(lock|unlock|join|part|run)|(connection|simulation)_(enter|entered_us|destroy))$";
+%rename("$ignore", regextarget=1) "^(raise_result|record_.*|status_.*|decode_status|put_item|take_.*|shortest|tuple_.*|leave_call|connection_(pump|udp)|simulation_(on_port|lock|unlock|join|part|run)|(connection|simulation)_(enter|entered_us|destroy))$";
 %include "simulation.h"
 %include "native.h"
 

@@ -4,6 +4,8 @@
  */
 #include "native.h"
 
+#include <errno.h>
+
 roburoc4_result usual_answer(const uint8_t *data, size_t size, uint8_t *buffer, size_t capacity) {
     roburoc4_sim *sim = roburoc4_sim_create(NULL);
     roburoc4_result length;
@@ -22,4 +24,14 @@ roburoc4_result usual_answer(const uint8_t *data, size_t size, uint8_t *buffer, 
 
 void draw_family(roburoc4_sim_config *config, uint64_t seed) {
     (void)roburoc4_sim_config_family(config, sizeof *config, seed);
+}
+
+simulation *new_simulation(const roburoc4_sim_config *config, const char *address, uint16_t port) {
+    int error = 0;
+    simulation *s = simulation_on_port(config, address, port, &error);
+    if (s == NULL) {
+        errno = error;
+        (void)PyErr_SetFromErrno(PyExc_OSError);
+    }
+    return s;
 }

@@ -393,13 +393,6 @@ ROBUROC4_ARRAY(gate_rules, enabled, bool)
 %typemap(check) uint64_t now_us {
     $1 = connection_entered_us();
 }
-%typemap(in, numinputs=0) roburoc4_sample * (roburoc4_sample value) {
-    $1 = &value;
-}
-%typemap(argout) roburoc4_sample * {
-    Py_XDECREF($result);
-    $result = connection_status(handle1, $1); /* of the first argument */
-}
 %typemap(in) roburoc4_udp *, const roburoc4_udp * {
     connection *handle = PyCapsule_GetPointer($input, "connection");
     if (handle == NULL) {
@@ -415,15 +408,4 @@ ROBUROC4_ARRAY(gate_rules, enabled, bool)
 }
 %typemap(check) roburoc4_sim *, const roburoc4_sim * {
     $1 = simulation_enter(handle$argnum);
-}
-/* The system's error number. */
-%typemap(in, numinputs=0) int *error (int value = 0) {
-    $1 = &value;
-}
-%exception simulation_on_port {
-    $action
-    if (result == NULL) {
-        errno = value4; /* of the fourth argument */
-        (void)PyErr_SetFromErrno(PyExc_OSError);
-    }
 }

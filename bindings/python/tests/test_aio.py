@@ -59,7 +59,7 @@ def test_events_and_statuses_wait_no_longer_than_requested(served: Simulator) ->
                     pass
             robot.stop()
             seen = set()
-            while not {Event.DISARMED, Event.STOPPED} <= seen:
+            while not {Event.DISARMED, Event.STOP_CONFIRMED} <= seen:
                 seen.add(await anext(events))
             await robot.close()
             assert [event async for event in events][1:] == []

@@ -18,7 +18,7 @@ def test_numbers_of_numpy_and_whole_floats_are_numbers(roburoc4_simulator: Simul
         "lease_ms": 250.0,  # type: ignore[typeddict-item]
         "period_ms": {"battery": np.int64(500)},
         "max_linear_m_s": np.float32(0.5),
-        "turn_keeping": np.bool_(True),
+        "keep_curvature": np.bool_(True),
         "allow_unknown_override": 0,  # type: ignore[typeddict-item]
     }
     with roburoc4_simulator.connect(**settings) as robot:
@@ -71,7 +71,7 @@ def test_an_argument_error_names_value_and_range(
     ("settings", "text"),
     [
         ({"lease_ms": 5}, "lease_ms: 5 .* give 20 to 1000"),
-        ({"max_linear_m_s": math.nan}, "max_linear_m_s: nan .* give 0.001 to 20"),
+        ({"max_linear_m_s": math.nan}, "max_linear_m_s: nan .* give 0.001 to 5"),
         ({"fresh_ms": 100}, "fresh_ms: 100 .* at most a third of fresh_ms"),
         ({"period_ms": 50}, 'period_ms: 50 .* {"battery": 500}'),
         ({"ignore_other_commander": "off"}, "ignore_other_commander: 'off' .* True or False"),
@@ -92,7 +92,7 @@ def test_a_setting_that_cannot_be_used_names_its_range(
 
 
 def test_no_end_no_switch_and_no_time_left_are_accepted(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect(timeout=math.inf, turn_keeping=None) as robot:
+    with roburoc4_simulator.connect(timeout=math.inf, keep_curvature=None) as robot:
         robot.arm(timeout=math.inf)
         robot.sleep(-1e-9)
 

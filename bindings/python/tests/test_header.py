@@ -74,7 +74,7 @@ def test_every_result_becomes_an_exception_with_its_code() -> None:
 
 def test_every_reason_against_driving_has_a_remedy() -> None:
     for result in constants.Result:
-        refuses = constants.Result.NOT_SUBSCRIBED <= result <= constants.Result.DISARMED
+        refuses = constants.Result.SUBSCRIPTION_REFUSED <= result <= constants.Result.DISARMED
         if refuses and result is not constants.Result.UNITS:
             error = roburoc4.errors.error_of(result)
             assert isinstance(error, roburoc4.NotArmedError)

@@ -23,8 +23,11 @@ ROBOT: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
     "drive_for": ({"linear_m_s": 0.1, "angular_rad_s": 0.1, "seconds": 0.1}, ()),
     "move": ({"distance_m": 0.1}, ("speed", "clearance", "timeout", "on_progress")),
     "move_for": ({"linear_m_s": 0.1, "angular_rad_s": 0.1, "seconds": 0.3}, ("clearance",)),
-    "turn": ({"angle_rad": 0.1}, ("speed", "timeout", "turns", "on_progress")),
-    "arc": ({"distance_m": 0.1, "angle_rad": 0.1}, ("speed", "clearance", "timeout", "turns")),
+    "turn": ({"angle_rad": 0.1}, ("speed", "timeout", "allow_turns", "on_progress")),
+    "arc": (
+        {"distance_m": 0.1, "angle_rad": 0.1},
+        ("speed", "clearance", "timeout", "allow_turns"),
+    ),
     "goto": ({"x_m": 0.1, "y_m": 0.1, "theta_rad": 0.1}, ("speed", "clearance", "timeout")),
     "rest": ({}, ("timeout",)),
     "subscribe": ({"service": "battery", "period_ms": 100}, ()),

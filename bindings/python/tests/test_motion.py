@@ -33,13 +33,13 @@ def test_stop_sends_zeros_and_disarms(roburoc4_simulator: Simulator) -> None:
         robot.stop()
         assert roburoc4_simulator.state.last_linear_m_s == 0
         assert not robot.facts.armed
-        assert robot.facts.disarm_cause == Result.STOPPED
+        assert robot.facts.disarm_cause == Result.STOP_CALLED
         assert robot.facts.stop_outcome is StopOutcome.RUNNING
-        robot.wait_for(Event.STOPPED)
+        robot.wait_for(Event.STOP_CONFIRMED)
         assert robot.facts.stop_outcome is StopOutcome.CONFIRMED
         with pytest.raises(roburoc4.NotArmedError, match=r"arm\(\)") as caught:
             robot.drive(0.2, 0.0)
-        assert caught.value.code == Result.STOPPED
+        assert caught.value.code == Result.STOP_CALLED
 
 
 def test_pause_sends_zeros_and_keeps_the_arming(roburoc4_simulator: Simulator) -> None:

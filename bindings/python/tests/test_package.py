@@ -10,8 +10,6 @@ from pathlib import Path
 import pytest
 
 import roburoc4
-import roburoc4.iocard
-import roburoc4.records
 
 FOLDER = Path(roburoc4.__file__).parent
 
@@ -61,9 +59,6 @@ def test_importing_is_quiet_and_loads_no_numpy_or_asyncio() -> None:
     )
     done = run(sys.executable, "-W", "error", "-c", code)
     assert (done.stdout, done.stderr) == ("[]\n", "")
-
-
-PUBLIC = (roburoc4, roburoc4.protocol, roburoc4.records, roburoc4.iocard)
 
 
 def test_the_package_shows_its_names_and_nothing_else() -> None:
@@ -134,7 +129,7 @@ def test_a_user_program_is_typed(tmp_path: Path) -> None:
         "int",
         "Event",
         "BatteryStatus",
-        "ManualRobot",
+        "UnthreadedRobot",
         "BatteryStatus",
         "TelemeterStatus",
     ]

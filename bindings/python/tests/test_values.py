@@ -31,7 +31,7 @@ def test_unknown_values_name_the_remedy(roburoc4_simulator: Simulator) -> None:
     robot = roburoc4_simulator.connect(period_ms={"battery": None})
     with robot, pytest.raises(roburoc4.NotKnownError, match=r"wait_for\('battery'\)") as caught:
         _ = robot.battery
-    assert caught.value.code == roburoc4.Result.UNKNOWN
+    assert caught.value.code == roburoc4.Result.NOT_KNOWN
 
 
 def test_properties_have_everything_the_robot_reported(roburoc4_simulator: Simulator) -> None:
@@ -138,6 +138,10 @@ def test_relocalize_waits_until_the_robot_has_accepted_it(roburoc4_simulator: Si
     with roburoc4_simulator.connect() as robot:
         robot.relocalize(3.0, -4.0, 1.5)
         assert robot.localization[1:4] == (3.0, -4.0, 1.5)
+        robot.subscribe("localization", 500)
+        robot.sleep(1.1)
+        robot.relocalize(5.0, 6.0, 0.5)
+        assert robot.localization[1:4] == (5.0, 6.0, 0.5)
         robot.unsubscribe("localization")
         robot.relocalize(1.0, 2.0, 0.5)  # no pose will come to confirm it
         with pytest.raises(roburoc4.ArgumentError):

@@ -31,6 +31,16 @@ def _manual() -> Iterator[Robot]:
         yield robot
 
 
+def test_a_robot_that_does_not_become_ready_is_closed() -> None:
+    with Simulator() as sim:
+        robot = sim.connect()
+        sim.set("power", False)
+        robot.sleep(3)
+        with pytest.raises(roburoc4.RobotTimeoutError):
+            robot.wait_ready(0.5)
+        assert robot.closed
+
+
 KINDS = pytest.mark.parametrize("kind", [_virtual, _threaded, _manual])
 
 

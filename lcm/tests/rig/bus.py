@@ -5,7 +5,7 @@ import random
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -114,55 +114,12 @@ class Bus:
             end.sendto(packet, (self.group, self.port))
 
 
-def drive_command(
-    linear_m_s: float,
-    angular_rad_s: float = 0.0,
-    *,
-    sender: str = "planner",
-    utime: int | None = None,
-    lease_us: int = 0,
-) -> Any:
+def drive_command(linear_m_s: float, *, sender: str = "planner", utime: int | None = None) -> Any:
     command = roburoc4_lcm.drive_command_t()
     command.utime = now_us() if utime is None else utime
     command.sender = sender
     command.linear_m_s = linear_m_s
-    command.angular_rad_s = angular_rad_s
-    command.lease_us = lease_us
     return command
-
-
-def move_command(move_id: int, **fields: float | str) -> Any:
-    """KIND_BY unless it has another kind; of "planner"."""
-    command = roburoc4_lcm.move_command_t()
-    command.sender, command.move_id, command.utime = "planner", move_id, now_us()
-    command.clearance_m = -1.0
-    for name, value in fields.items():
-        setattr(command, name, value)
-    return command
-
-
-def stop_command(sender: str = "") -> Any:
-    command = roburoc4_lcm.stop_command_t()
-    command.sender = sender
-    return command
-
-
-@contextmanager
-def repeated(send: Callable[[], None], period_s: float) -> Iterator[None]:
-    """Call send on a thread of its own, until the block ends."""
-    ended = threading.Event()
-
-    def run() -> None:
-        while not ended.wait(period_s):
-            send()
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    try:
-        yield
-    finally:
-        ended.set()
-        thread.join()
 
 
 class Planner(Program):

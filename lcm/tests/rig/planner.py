@@ -15,9 +15,6 @@ def main() -> None:
     parser.add_argument("--channel", default="ROBUROC4_DRIVE_CMD")
     parser.add_argument("--linear", type=float, default=0.3)
     parser.add_argument("--angular", type=float, default=0.0)
-    parser.add_argument("--rate", type=float, default=20.0, help="commands a second")
-    parser.add_argument("--lease-us", type=int, default=0)
-    parser.add_argument("--ahead-s", type=float, default=0.0, help="its clock is so far ahead")
     options = parser.parse_args()
 
     network = lcm.LCM(options.url)
@@ -25,12 +22,11 @@ def main() -> None:
     command.sender = options.sender
     command.linear_m_s = options.linear
     command.angular_rad_s = options.angular
-    command.lease_us = options.lease_us
     print("planning", flush=True)
     while True:
-        command.utime = time.time_ns() // 1000 + round(options.ahead_s * 1e6)
+        command.utime = time.time_ns() // 1000
         network.publish(options.channel, command.encode())
-        time.sleep(1 / options.rate)
+        time.sleep(0.05)
 
 
 if __name__ == "__main__":

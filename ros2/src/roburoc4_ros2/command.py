@@ -86,7 +86,8 @@ def _add_drive(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--max-age-ms",
         metavar="MS",
-        help="reject commands with an older stamp; 0: none, so that bags drive, too (default: 200)",
+        help="reject commands with an older stamp; 0: accept any age, so that a replayed bag "
+        "drives (default: 200)",
     )
     group.add_argument(
         "--max-linear",

@@ -4,10 +4,10 @@
 import os
 import sys
 
-from roburoc4_tools.cli import signals
 from roburoc4_tools.cli.errors import CommandError
 from roburoc4_tools.cli.options import DEFAULT_ROBOT
 from roburoc4_tools.cli.output import note
+from roburoc4_tools.terminal import signals
 
 from .command import serve
 from .config import ConfigError, whole

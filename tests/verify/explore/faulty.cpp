@@ -81,7 +81,7 @@ const Fault faults[] = {
     {"a stop sequence ends after three zeros, whatever the robot shows", ending},
     {"another datagram leaves before a zero", first},
     {"a stop that ran out of time is called confirmed", belief},
-    {"STOPPED is raised by stop()", belief},
+    {"STOP_CONFIRMED is raised by stop()", belief},
     {"nothing is sent after the end of a stop sequence", watched},
     {"the event DISARMED is missing", events},
     {"a zero is sent without a reason", monitor},
@@ -224,7 +224,7 @@ std::uint32_t Port::take_events() {
         events &= ~static_cast<std::uint32_t>(ROBUROC4_EVENT_DISARMED);
     if (fault == stopped_event_early && polls == 1) {
         polls = 0;
-        events |= ROBUROC4_EVENT_STOPPED;
+        events |= ROBUROC4_EVENT_STOP_CONFIRMED;
     }
     return events;
 }

@@ -342,7 +342,7 @@ void Judge::end_sequence(std::uint64_t true_us) {
 void Judge::take_events(std::uint32_t events_seen) {
     require(disarmed_event_due_ == 0 || (events_seen & ROBUROC4_EVENT_DISARMED) != 0, events);
     require(armed_event_due_ == 0 || (events_seen & ROBUROC4_EVENT_ARMED) != 0, events);
-    require(ended_confirmed_ == ((events_seen & ROBUROC4_EVENT_STOPPED) != 0), belief);
+    require(ended_confirmed_ == ((events_seen & ROBUROC4_EVENT_STOP_CONFIRMED) != 0), belief);
     require(ended_unconfirmed_ == ((events_seen & ROBUROC4_EVENT_STOP_UNCONFIRMED) != 0), events);
     disarmed_event_due_ = armed_event_due_ = ended_confirmed_ = ended_unconfirmed_ = 0;
 }

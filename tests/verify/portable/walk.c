@@ -198,7 +198,7 @@ static void user_drives(void) {
 static void user_asks_else(void) {
     switch (roll(5)) {
     case 0:
-        ignore(roburoc4_client_stop(&client, client_us()));
+        ignore(roburoc4_client_pause(&client, client_us()));
         break;
     case 1:
         ignore(roburoc4_client_stop(&client, client_us()));

@@ -115,7 +115,7 @@ void younger(Report &report) {
 
 void always_stopped(Report &report) {
     if ((report.events & ROBUROC4_EVENT_STOP_UNCONFIRMED) != 0)
-        report.events |= ROBUROC4_EVENT_STOPPED;
+        report.events |= ROBUROC4_EVENT_STOP_CONFIRMED;
 }
 
 void always_relocalized(Report &report) {
@@ -424,7 +424,7 @@ class NeverEndsAStop : public Wrapper {
         events_ |= report.events;
         if (report.stopping)
             RealClient::stop(now);
-        if ((report.events & ROBUROC4_EVENT_STOPPED) != 0)
+        if ((report.events & ROBUROC4_EVENT_STOP_CONFIRMED) != 0)
             RealClient::stop(now);
         return RealClient::poll_transmit(out, now);
     }
@@ -611,7 +611,7 @@ const std::vector<Fault> &faults() {
         {Promise::within_limits, "sends twice the speed", sending(doubled)},
         {Promise::within_limits, "sends NaN", sending(not_a_number)},
         {Promise::newest_target, "sends another turn rate", sending(slightly_more)},
-        {Promise::turn_keeping, "sends another curve", sending(slightly_more)},
+        {Promise::keep_curvature, "sends another curve", sending(slightly_more)},
         {Promise::override_disarms, "does not see [A]", receiving(hide_pad_a)},
         {Promise::override_by_texts, "guesses [A]", a<GuessesPadA>()},
         {Promise::fresh_by_age, "believes that what arrives is new", a<IgnoresAge>()},

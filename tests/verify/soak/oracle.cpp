@@ -448,15 +448,16 @@ bool Oracle::target_may_be_zero() const {
     };
     const bool no_v = gone(lease_.asked.v, bounds.low.v, bounds.high.v);
     const bool no_w = gone(lease_.asked.w, bounds.low.w, bounds.high.w);
-    const bool keeps = (config_.options & ROBUROC4_OPTION_TURN_KEEPING) != 0;
+    const bool keeps = (config_.options & ROBUROC4_OPTION_KEEP_CURVATURE) != 0;
     return keeps ? no_v || no_w : no_v && no_w;
 }
 
+/* Neither what is asked for nor what is sent exceeds a ceiling. */
 Oracle::Bounds Oracle::bounds() const {
-    return {{std::max(limits_.min_v, -config_.max_linear_m_s),
-             std::max(limits_.min_w, -config_.max_angular_rad_s)},
-            {std::min(limits_.max_v, config_.max_linear_m_s),
-             std::min(limits_.max_w, config_.max_angular_rad_s)}};
+    const float v = config_.max_linear_m_s * std::min(config_.scale_linear, 1.0F);
+    const float w = config_.max_angular_rad_s * std::min(config_.scale_angular, 1.0F);
+    return {{std::max(limits_.min_v, -v), std::max(limits_.min_w, -w)},
+            {std::min(limits_.max_v, v), std::min(limits_.max_w, w)}};
 }
 
 void Oracle::speed_sent(Moment now, Speeds speeds) {
@@ -530,7 +531,7 @@ void Oracle::judge_value(Moment now, Speeds speeds) {
         return;
     const Speeds asked = {lease_.asked.v * config_.scale_linear,
                           lease_.asked.w * config_.scale_angular};
-    const bool keeps = (config_.options & ROBUROC4_OPTION_TURN_KEEPING) != 0 &&
+    const bool keeps = (config_.options & ROBUROC4_OPTION_KEEP_CURVATURE) != 0 &&
                        limits_.width > 0.05F && limits_.width < 5.0F;
     if (keeps) {
         judge_turn(now, asked, speeds, low, high);
@@ -559,7 +560,7 @@ void Oracle::judge_turn(Moment now, Speeds asked, Speeds speeds, Speeds low, Spe
     const bool larger = std::fabs(speeds.v) > std::fabs(asked.v) * 1.0001F ||
                         std::fabs(speeds.w) > std::fabs(asked.w) * 1.0001F;
     if (std::fabs(crossed) > 1e-4 * size || !same_side || larger)
-        violate(Promise::turn_keeping, now.true_us,
+        violate(Promise::keep_curvature, now.true_us,
                 "the speed " + speeds_text(speeds) + " left where " + speeds_text(asked) +
                     " was asked for, which is another curve");
 }

@@ -506,7 +506,7 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
 /* A healthy robot on a good network gives no reason to disarm, and pause() is none. */
 void Oracle::judge_disarming(Moment now, const Report &report) {
     const std::int32_t cause = report.disarm_cause;
-    if (pausing_ && (cause == ROBUROC4_ERR_STOPPED || cause == ROBUROC4_ERR_DISARMED ||
+    if (pausing_ && (cause == ROBUROC4_ERR_STOP_CALLED || cause == ROBUROC4_ERR_DISARMED ||
                      cause == ROBUROC4_ERR_LAPSED))
         violate(Promise::pause_keeps_armed, now.true_us, "pause() has disarmed");
     switch (cause) {
@@ -571,14 +571,15 @@ void Oracle::judge_outcome(Moment now, const Report &before, const Truth &truth)
         last_outcome_ = report_.stop_outcome;
     if (report_.stop_outcome != ROBUROC4_STOP_CONFIRMED)
         last_unconfirmed_us_ = now.true_us;
-    const bool says = (report_.events & ROBUROC4_EVENT_STOPPED) != 0 ||
+    const bool says = (report_.events & ROBUROC4_EVENT_STOP_CONFIRMED) != 0 ||
                       (report_.stop_outcome == ROBUROC4_STOP_CONFIRMED &&
                        before.stop_outcome != ROBUROC4_STOP_CONFIRMED);
     if (says && !stop_.confirmed && ages_judged_)
-        violate(Promise::outcome_is_true, now.true_us,
-                std::string("the stop is reported as confirmed") +
-                    ((report_.events & ROBUROC4_EVENT_STOPPED) != 0 ? ", " : " (no event), ") +
-                    (overridden_ ? "but [A] is held" : "but no status shows it"));
+        violate(
+            Promise::outcome_is_true, now.true_us,
+            std::string("the stop is reported as confirmed") +
+                ((report_.events & ROBUROC4_EVENT_STOP_CONFIRMED) != 0 ? ", " : " (no event), ") +
+                (overridden_ ? "but [A] is held" : "but no status shows it"));
     const bool knew = report_.override_index >= 0 || before.override_index >= 0 ||
                       unknown_allowed() ||
                       (report_.events & ROBUROC4_EVENT_REBOOT) != 0; /* it forgot it since */

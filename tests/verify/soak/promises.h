@@ -16,7 +16,7 @@ enum class Promise {
     speed_needs_lease,
     newest_target,
     within_limits,
-    turn_keeping,
+    keep_curvature,
     bad_arguments_refused,
     override_disarms,
     override_by_texts,

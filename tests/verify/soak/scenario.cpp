@@ -49,7 +49,7 @@ roburoc4_config draw_config(Random &random, const RobotPlan &plan) {
         config.scale_angular = static_cast<float>(random.uniform(0.5, 2));
     }
     if (random.chance(0.2))
-        config.options |= ROBUROC4_OPTION_TURN_KEEPING;
+        config.options |= ROBUROC4_OPTION_KEEP_CURVATURE;
     if (random.chance(0.1))
         config.options |= ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
     if (random.chance(0.1))

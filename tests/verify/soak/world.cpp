@@ -185,8 +185,8 @@ void World::report_all() {
             report.armed ? ", armed" : "", report.driving ? ", driving" : "",
             report.stopping ? ", stopping" : "");
     report_ = report;
-    if (trace_ && (report.events & ROBUROC4_EVENT_STOPPED) != 0)
-        say("reports STOPPED");
+    if (trace_ && (report.events & ROBUROC4_EVENT_STOP_CONFIRMED) != 0)
+        say("reports STOP_CONFIRMED");
     if (trace_ && (report.events & ROBUROC4_EVENT_STOP_UNCONFIRMED) != 0)
         say("reports STOP_UNCONFIRMED, outcome %u", report.stop_outcome);
     if (trace_ && (report.events & ROBUROC4_EVENT_DISARMED) != 0)

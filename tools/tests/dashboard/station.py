@@ -275,6 +275,13 @@ def drive(here: Station, page: Page, **held: float) -> None:
     )
 
 
+def hang(page: Page) -> None:
+    """Keep the page from drawing for a while."""
+    page.evaluate(
+        "setTimeout(() => { const end = Date.now() + 1500; while (Date.now() < end); }, 0)"
+    )
+
+
 class Finger:
     """A finger on the page, and a second one that presses beside it."""
 

@@ -18,6 +18,7 @@ from station import (
     Station,
     arm,
     drive,
+    hang,
     hold_pad,
     open_tab,
     press_arm,
@@ -167,18 +168,6 @@ def test_a_finger_drives_from_where_it_touched_and_a_second_one_stops(armed: Ope
 # ---- what stops it ----
 
 
-def hang(page: Page) -> None:
-    page.evaluate(
-        "setTimeout(() => { const end = Date.now() + 1500; while (Date.now() < end); }, 0)"
-    )
-
-
-def freeze(page: Page) -> None:
-    debugger = page.context.new_cdp_session(page)
-    debugger.send("Debugger.enable")
-    debugger.send("Debugger.pause")
-
-
 def press_enter_on_stop(page: Page) -> None:
     page.locator("#stop").focus()
     page.keyboard.press("Enter")
@@ -222,13 +211,6 @@ def test_everything_that_ends_driving_stops_within_the_lease(armed: Opened) -> N
     assert here.wait_until_stopped(time.monotonic()) < WITHIN_S
     until(lambda: here.hub.control.driver is None)
     assert not here.robot.facts.armed
-
-
-def test_a_frozen_page_stops_within_the_lease(armed: Opened) -> None:
-    here, page = armed()
-    drive(here, page)
-    freeze(page)
-    assert here.wait_until_stopped(time.monotonic()) < WITHIN_S
 
 
 @pytest.mark.both
@@ -421,14 +403,3 @@ def test_control_arm_and_drive_by_key_alone(watched: Opened) -> None:
     page.locator("#scale").focus()
     page.keyboard.press("ArrowRight")
     expect(page.locator("#scale")).not_to_have_value(value)
-
-
-def test_a_page_that_only_watches_sends_the_robot_nothing(watched: Opened) -> None:
-    here, page = watched(enable_drive=False)
-    expect(page.locator("#stop")).to_be_hidden()
-    expect(page.get_by_role("button", name="Take control")).to_be_hidden()
-    hold_pad(page, rt=1.0)
-    page.keyboard.press("Space")
-    page.keyboard.down("w")
-    time.sleep(2 * LEASE_S)
-    assert here.sim.state.speed_commands == 0

@@ -88,6 +88,8 @@ def test_speeds_targets_and_limits_are_the_robot_s(watched: Opened) -> None:
 
 def test_a_bad_link_is_explained_in_plain_words(watched: Opened) -> None:
     here, page = watched(enable_drive=False, panel=True)
+    expect(page.locator("#stop")).to_be_hidden()
+    expect(page.get_by_role("button", name="Take control")).to_be_hidden()
     here.hub.panel.set_faults({"loss": 0.2})
     expect(page.locator("#banner-text")).to_contain_text("of the statuses are lost")
     expect(page.locator("#link-try")).to_contain_text("cable instead of radio")

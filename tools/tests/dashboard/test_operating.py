@@ -22,6 +22,7 @@ from station import (
     Station,
     arm,
     drive,
+    hang,
     open_tab,
     press_arm,
     ready,
@@ -170,12 +171,6 @@ def set_out(here: Station, page: Page, x: str, y: str) -> None:
                 return
         page.wait_for_timeout(1000)
     raise AssertionError("it never started")
-
-
-def hang(page: Page) -> None:
-    page.evaluate(
-        "setTimeout(() => { const end = Date.now() + 1500; while (Date.now() < end); }, 0)"
-    )
 
 
 GOING_ENDS: dict[str, Callable[[Page], object]] = {

@@ -4,7 +4,7 @@
 %   Robot            - A RobuROC4: drive it, read it, record it
 %   Simulator        - A simulated RobuROC4, to try out programs without a robot
 %   Rate             - A control loop with a fixed rate, without a timer
-%   System           - A RobuROC4 as a block of Simulink
+%   System           - A RobuROC4 as a block of Simulink (not in Octave)
 %
 % Functions
 %   asTimetable      - Make a timetable of one service's columns

@@ -8,12 +8,12 @@ classdef LocalizationFlag
 
 % SPDX-License-Identifier: MIT
 properties (Constant)
-    INVALID = uint8(1)
-    METRIC = uint8(2)
-    DECIMETRIC = uint8(4)
-    CENTIMETRIC = uint8(8)
-    PROPRIOCEPTIVE = uint8(16)
-    EXTEROCEPTIVE = uint8(32)
-    ERROR = uint8(64)
+    INVALID = 1
+    METRIC = 2
+    DECIMETRIC = 4
+    CENTIMETRIC = 8
+    PROPRIOCEPTIVE = 16
+    EXTEROCEPTIVE = 32
+    ERROR = 64
 end
 end

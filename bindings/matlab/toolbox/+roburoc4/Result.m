@@ -24,10 +24,10 @@ properties (Constant)
     REBOOT = -31
     CLOCK = -32
     INHIBITED = -33
-    STOPPED = -34
+    STOP_CALLED = -34
     LAPSED = -35
     UPLINK = -36
     UNITS = -37
-    NOT_SUBSCRIBED = -38
+    SUBSCRIPTION_REFUSED = -38
 end
 end

@@ -9,13 +9,13 @@ classdef Robot < handle
 %      wait_for_data (true)      false: do not wait for the first statuses
 %      lease_ms (250)            duration of a drive command, 20 to 1000
 %      drive_period_ms (50)      how often a drive command is repeated, 10 to half of lease_ms
-%      max_linear_m_s (1)        highest speed
-%      max_angular_rad_s (1.5)   highest turn rate
+%      max_linear_m_s (1)        highest speed, before and after it is scaled, 0.001 to 5
+%      max_angular_rad_s (1.5)   highest turn rate, likewise, 0.001 to 10
 %      scale_linear (1), scale_angular (1)   factors for the speeds given to drive,
 %                                             and of what the wheels count (calibration)
 %      robot_file                file of roburoc4 first-contact or calibrate: ids, inputs, watchdog
 %                                and scales of this robot; other options take precedence
-%      turn_keeping (false)      at a limit, slow down so that the curve stays the same
+%      keep_curvature (false)    at a limit, slow down so that the curve stays the same
 %      iocard_period_ms (50), telemeter_period_ms (100), battery_period_ms (1000),
 %      localization_period_ms (50), differential_period_ms (50)
 %                                how often the robot sends each status: a multiple of 10, 10 to
@@ -41,15 +41,16 @@ classdef Robot < handle
 %   MATLAB, if R drives it: an object that only reads never commands the robot.
 %
 %   Units are SI and radians; X is forward, Y left, angles counter-clockwise. Errors have the ids
-%   roburoc4:badArgument, :closed, :limit (too many objects or statuses, a full disk, limits of the
-%   robot that are not usable), :moveEnded, :network, :notArmed, :notBuilt (no MEX file for this
-%   program), :protocol (the robot refused, or has not reported the value yet) and :timeout.
+%   roburoc4:badArgument, :closed, :limit (too many objects or statuses, a full disk), :moveEnded,
+%   :network, :notArmed, :notBuilt (no MEX file for this program), :protocol (the robot refused, or
+%   has not reported the value yet) and :timeout.
 %
 %   Robot methods:
 %      drive           - Drive at two speeds, for one lease
 %      driveFor        - Drive for some seconds, and stop
 %      move            - Drive straight ahead, and wait until the robot is at rest
 %      turn            - Turn in place
+%      moveFor         - Drive for some seconds with gentle ramps
 %      arc             - Drive along an arc
 %      goTo            - Go to a point, or to a pose
 %      rest            - Stop, and wait until the robot is at rest
@@ -81,22 +82,23 @@ classdef Robot < handle
 %      time_s          - Seconds since the robot was connected
 %      start_utc_s     - UTC when time_s was 0, in seconds since 1970
 %   pose and speeds are NaN when they are older than fresh_ms (300); the time_s of pose is when
-%   the robot measured it. What is not known is NaN, or 255 in a uint8.
+%   the robot made it. What is not known is NaN, or 255 in a uint8.
 %   The fields of the structs, which are:
 %      status: time_s                  seconds since the robot was connected
 %              ready, armed            the robot answers; drive is accepted
 %              driving, stopping       a lease is active; the stop sequence runs
-%              lapsed                  the last lease expired, and drive was not called since
+%              lapsed                  the last lease expired, and no drive, arm, pause or stop
+%                                      came since
 %              stop_outcome            of the last stop sequence: 'none', 'running', 'confirmed' (by
 %                                      the robot), 'timed_out', 'overridden' ([A] was held)
 %              disarm_cause, disarm_text   why it is not armed: one of roburoc4.Result; a sentence
 %              overridden              [A] on the game pad is held
 %              other_commander         another commander drives the robot
-%              inhibited               the robot does not move although a speed is commanded
+%              inhibited               the robot does not follow its commands
 %              front_bumper, rear_bumper, battery_low   pressed; below minimum_percent, or critical
 %              missing                 services that send nothing, such as 'telemeter battery'
 %              x_m, y_m, theta_rad     odometry
-%              localization_flags      bits of roburoc4.LocalizationFlag
+%              localization_flags      bits of roburoc4.LocalizationFlag; all set while unknown
 %              target_linear_m_s, target_angular_rad_s     commanded speeds
 %              current_linear_m_s, current_angular_rad_s   measured speeds
 %              distances_m             of the telemeters, a row: on a RobuROC4 front, then rear
@@ -235,8 +237,8 @@ methods
         %DRIVEFOR Drive at these speeds for some seconds, and stop.
         %   driveFor(R, V, W, SECONDS) renews the command and returns at the end; the robot stays
         %   armed. Ctrl-C or an error stops the robot at once, as stop does; so do [A] on the game
-        %   pad, a robot that does not move (emergency stop, brakes), and a program that hung in the
-        %   middle, with the error roburoc4:notArmed.
+        %   pad, a robot that does not follow (emergency stop, brakes), and a program that hung in
+        %   the middle, with the error roburoc4:notArmed.
         %
         %   Example:
         %      r.driveFor(0.5, 0, 2)
@@ -283,11 +285,26 @@ methods
         result = this.go(0, distance_m, 0, 0, varargin);
     end
 
+    function result = moveFor(this, linear_m_s, angular_rad_s, seconds, varargin)
+        %MOVEFOR Drive for some seconds with gentle ramps, and wait until the robot is at rest.
+        %   RESULT = moveFor(R, V, W, SECONDS) drives at these speeds, ramps included, however far
+        %   that is. Options and result are those of move, without speed.
+        %
+        %   Example:
+        %      r.moveFor(0.3, 0, 2)
+        roburoc4.internal.needed(nargin >= 4, 'moveFor(v in m/s, w in rad/s, seconds)');
+        linear_m_s = roburoc4.internal.number(linear_m_s, 'linear_m_s', -1e6, 1e6);
+        angular_rad_s = roburoc4.internal.number(angular_rad_s, 'angular_rad_s', -1e6, 1e6);
+        seconds = roburoc4.internal.number(seconds, 'seconds', 0, 1e4);
+        result = this.go(4, linear_m_s, angular_rad_s, seconds, varargin);
+    end
+
     function result = turn(this, angle_rad, varargin)
         %TURN Turn in place, and wait until the robot is at rest.
         %   RESULT = turn(R, RADIANS) turns by odometry, which is inaccurate; negative is to the
-        %   right. More than two turns are refused: degrees look like that. Options and result are
-        %   those of move; speed is in rad/s (0.5), and telemeters are not used.
+        %   right. More than two turns must be meant, with the option allow_turns: degrees look
+        %   like that. Options and result are those of move; speed is in rad/s (0.5), and telemeters
+        %   are not used.
         %
         %   Example:
         %      r.turn(pi / 2)
@@ -584,7 +601,7 @@ methods
         %LISTEN Call a function for each status of a service, or for each event.
         %   listen(R, SERVICE, ACTION) calls ACTION(S) with the struct that receive returns, for each
         %   status that arrives from now on. listen(R, 'event', ACTION) calls it with a struct of name,
-        %   text and time_s; names are ready, lost, reboot, armed, disarmed, lapsed, stopped,
+        %   text and time_s; names are ready, lost, reboot, armed, disarmed, lapsed, stop_confirmed,
         %   stop_unconfirmed, override, other_commander, inhibited, battery_low, battery_critical and
         %   armable. listen(R, KIND, []) ends that.
         %
@@ -702,8 +719,11 @@ methods (Access = private)
 
     function result = go(this, kind, x, y, theta, given)
         [~, own] = roburoc4.internal.options(given, ...
-            struct('speed', [], 'clearance', -1, 'timeout', 0));
+            struct('speed', [], 'clearance', -1, 'timeout', 0, 'allow_turns', false));
         speed = 0;
+        if kind == 4 && ~isempty(own.speed)
+            error('roburoc4:badArgument', 'speed: moveFor has its own');
+        end
         if ~isempty(own.speed)
             speed = roburoc4.internal.number(own.speed, 'speed', 0.001, 10);
         end
@@ -713,7 +733,8 @@ methods (Access = private)
         timeout = roburoc4.internal.number(own.timeout, 'timeout', 0, 4e6);
         cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
         roburoc4_mex('moveBegin', this.id, kind, x, y, theta, speed, ...
-            own.clearance, timeout);
+            own.clearance, timeout, ...
+            roburoc4.internal.number(own.allow_turns, 'allow_turns', 0, 1));
         while roburoc4_mex('moveStep', this.id)
             this.listeners.wait(0.02);
         end

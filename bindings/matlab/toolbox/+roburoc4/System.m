@@ -9,9 +9,9 @@ classdef System < matlab.System
 %
 %   Outputs are from before the inputs take effect, so that a control loop can be closed without an
 %   algebraic loop: pose, [x_m y_m theta_rad], and speeds, [linear_m_s angular_rad_s], NaN when they
-%   are old; battery_percent, NaN when unknown; state, [ready armed overridden inhibited];
-%   distances_m, [front rear] of the telemeters, and bumpers, [front rear], 1 pressed and 0 not, NaN
-%   when unknown or old.
+%   are old; battery_percent, NaN when unknown; state, [ready armed overridden inhibited], NaN where
+%   unknown; distances_m, [front rear] of the telemeters, and bumpers, [front rear], 1 pressed and 0
+%   not, NaN when unknown or old.
 %
 %   Properties:
 %      address           - 'HOST' or 'HOST:PORT'; '' (default) is a simulated robot
@@ -99,7 +99,7 @@ methods (Access = protected)
         if s.remaining_percent == 255
             battery_percent = NaN;
         end
-        state = [s.ready, s.armed, s.overridden == 1, s.inhibited];
+        state = double([s.ready, s.armed, s.overridden, s.inhibited]);
         distances_m = [NaN NaN];
         seen = min(2, numel(s.distances_m));
         if s.telemeter_age_s < 0.5
@@ -182,7 +182,7 @@ methods (Access = protected)
         pose = 'double';
         speeds = 'double';
         battery_percent = 'double';
-        state = 'logical';
+        state = 'double';
         distances_m = 'double';
         bumpers = 'double';
     end

@@ -49,7 +49,7 @@ from .records import (
     Status,
     TelemeterStatus,
 )
-from .robot import ManualRobot, Robot, connect
+from .robot import Robot, UnthreadedRobot, connect
 from .samples import Events, Recording, Statuses, flatten
 from .settings import Settings
 from .simulator import SimSettings, Simulator
@@ -71,7 +71,6 @@ __all__ = [
     "IoCardStatus",
     "LocalizationFlag",
     "LocalizationStatus",
-    "ManualRobot",
     "MoveError",
     "MoveOutcome",
     "MoveResult",
@@ -96,6 +95,7 @@ __all__ = [
     "Statuses",
     "StopOutcome",
     "TelemeterStatus",
+    "UnthreadedRobot",
     "aio",
     "connect",
     "flatten",

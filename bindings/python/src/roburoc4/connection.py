@@ -39,6 +39,9 @@ def events_of_services(mask: int) -> int:
     return (mask & STATUS_MASK) << 4
 
 
+_NO_PORT = "this simulator is in virtual time: give it a port, Simulator(port=0)"
+
+
 def resolve(host: str) -> str:
     """Resolve "HOST", "HOST:PORT" or "[IPV6]:PORT" to a numeric address; may ask a name server."""
     try:
@@ -49,7 +52,8 @@ def resolve(host: str) -> str:
             Result.ARGUMENT,
         ) from None
     except NetworkError as error:
-        raise NetworkError(f"{host!r}: {error}", error.code) from None
+        why = _NO_PORT if host == "virtual" else error
+        raise NetworkError(f"{host!r}: {why}", error.code) from None
 
 
 def open_alone(settings: Settings) -> "_native.Connection":

@@ -227,7 +227,7 @@ class Event(IntFlag):
     ARMED = 0x00000800
     DISARMED = 0x00001000
     LAPSED = 0x00002000
-    STOPPED = 0x00004000
+    STOP_CONFIRMED = 0x00004000
     OVERRIDE = 0x00008000
     OTHER_COMMANDER = 0x00010000
     INHIBITED = 0x00020000
@@ -284,7 +284,7 @@ class Count(IntEnum):
     """Dropped: invalid contents."""
     UNMATCHED = 5
     """Dropped: answers to no open request."""
-    UNSUBSCRIBED = 6
+    UNEXPECTED_STATUS = 6
     """Dropped: statuses that were not subscribed to."""
     OLD = 7
     """Dropped: statuses not newer than the last."""
@@ -315,12 +315,12 @@ class Result(IntEnum):
     SIZE = -7
     CONFIG = -8
     STATE = -9
-    UNKNOWN = -10
+    NOT_KNOWN = -10
     INDEX = -11
     RESERVED = -12
     NOT_FINITE = -13
     UNMATCHED = -14
-    UNSUBSCRIBED = -15
+    UNEXPECTED_STATUS = -15
     OLD = -16
     TIMEOUT = -17
     DISARMED = -20
@@ -337,14 +337,15 @@ class Result(IntEnum):
     REBOOT = -31
     CLOCK = -32
     INHIBITED = -33
-    STOPPED = -34
+    STOP_CALLED = -34
     LAPSED = -35
     UPLINK = -36
     UNITS = -37
-    NOT_SUBSCRIBED = -38
+    SUBSCRIPTION_REFUSED = -38
     SYSTEM = -40
     RESOLVE = -41
     CLOSED = -42
+    BUSY = -43
 
     @property
     def text(self) -> str:

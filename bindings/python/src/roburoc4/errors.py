@@ -79,7 +79,7 @@ class NetworkError(RobotError, OSError):
 
 
 class RecordingError(RobotError, ValueError):
-    """A recording that cannot be read or written, is none, or is damaged."""
+    """What is not a recording, or is damaged, or cannot be read or written."""
 
     def __init__(self, message: str, code: int = Result.VALUE) -> None:
         super().__init__(message, code)
@@ -183,7 +183,7 @@ _CLASSES: dict[int, type[RobotError]] = {
     Result.KIND: DecodeError,
     Result.VALUE: DecodeError,
     Result.ROBOT: RefusedError,
-    Result.UNKNOWN: NotKnownError,
+    Result.NOT_KNOWN: NotKnownError,
     Result.TIMEOUT: RobotTimeoutError,
     Result.SYSTEM: NetworkError,
     Result.RESOLVE: NetworkError,
@@ -194,7 +194,7 @@ _CLASSES: dict[int, type[RobotError]] = {
 def error_of(code: int) -> RobotError:
     """Make the exception for a result of the C library."""
     text = _native.roburoc4_result_text(code)
-    if Result.NOT_SUBSCRIBED <= code <= Result.DISARMED and code != Result.UNITS:
+    if Result.SUBSCRIPTION_REFUSED <= code <= Result.DISARMED and code != Result.UNITS:
         why = text.removeprefix("not armed: ").replace(":", ";", 1)
         return NotArmedError(f"not armed: {why}", code)
     return _CLASSES.get(code, RobotError)(text, code)

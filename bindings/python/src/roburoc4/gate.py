@@ -12,6 +12,8 @@ from . import _native
 from .errors import ClosedError
 from .robot_base import RobotBase
 
+__all__ = ["Counts", "DriveCommand", "Gate", "Rejection", "Verdict"]
+
 _FAR = 1e6  # beyond any limit; the client clamps to the robot's own
 
 
@@ -19,19 +21,33 @@ class Verdict(IntEnum):
     """What becomes of a command."""
 
     TAKEN = _native.GATE_TAKEN
+    """Obeyed."""
     MALFORMED = _native.GATE_MALFORMED
+    """Not a command that can be read."""
     DISABLED = _native.GATE_DISABLED
+    """Commands are not enabled."""
     SENDER = _native.GATE_SENDER
+    """This sender is not allowed."""
     NO_STAMP = _native.GATE_NO_UTIME
+    """It does not say when it was sent."""
     NOT_FINITE = _native.GATE_NOT_FINITE
+    """A number is NaN or infinite."""
     STARTING = _native.GATE_STARTING
+    """It was sent before the gate began."""
     TOO_OLD = _native.GATE_TOO_OLD
+    """Sent longer ago than allowed."""
     IN_FUTURE = _native.GATE_IN_FUTURE
+    """Sent in the future: the clocks differ."""
     REPEATED = _native.GATE_REPEATED
+    """No newer than the last one of its sender."""
     CONTROL = _native.GATE_CONTROL
+    """Another sender is in control."""
     NOT_READY = _native.GATE_NOT_READY
+    """The robot is not ready."""
     DISARMED = _native.GATE_DISARMED
+    """Driving ended; all senders must pause."""
     UNITS = _native.GATE_UNITS
+    """Faster than any such robot."""
 
 
 class DriveCommand(NamedTuple):

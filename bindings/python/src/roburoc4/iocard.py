@@ -103,7 +103,7 @@ class Inputs:
         return ChannelNames(*(self._channels.names(io_type) for io_type in IoType))
 
     def _status(self) -> IoCardStatus:
-        return _native.roburoc4_sample_latest(self._connection.handle, Service.IOCARD)
+        return _native.latest_status(self._connection.handle, Service.IOCARD)
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names of all inputs that have one."""

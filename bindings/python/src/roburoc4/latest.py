@@ -13,6 +13,8 @@ from .records import (
 )
 from .robot_base import RobotBase
 
+__all__ = ["latest"]
+
 _S = TypeVar("_S", bound=Status)
 _SERVICES: dict[type, str] = {
     IoCardStatus: "iocard",

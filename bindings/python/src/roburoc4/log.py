@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .connection import Connection
 
 _INFO_LEVEL, _WARNING_LEVEL = 20, 30  # logging, imported with the first robot
-_INFO = Event.READY | Event.ARMED | Event.OVERRIDE | Event.STOPPED | Event.RELOCALIZED
+_INFO = Event.READY | Event.ARMED | Event.OVERRIDE | Event.STOP_CONFIRMED | Event.RELOCALIZED
 _WARNING = (
     Event.STOP_UNCONFIRMED
     | Event.LOST
@@ -80,7 +80,7 @@ class Log:
         facts = _native.roburoc4_client_facts(self._handle)
         if event is Event.DISARMED:
             cause = facts.disarm_cause
-            by_program = cause in (Result.STOPPED, Result.DISARMED)  # stop(), close()
+            by_program = cause in (Result.STOP_CALLED, Result.DISARMED)  # stop(), close()
             level = _INFO_LEVEL if by_program else level
             text = "stopped by this program" if by_program else f"disarmed: {cause.text}"
         elif event in FACTS:
@@ -121,14 +121,19 @@ def _running() -> list[Log]:
     return [log for log in _watched if log.is_running]
 
 
-def _watch() -> None:
+def _step_all() -> bool:
+    """Log what happened; false if there is nothing left to watch."""
     global _thread
-    while True:
+    with _lock:
+        logs = _running()
+        if not logs:
+            _thread = None
+    for log in logs:
+        log.step()
+    return bool(logs)
+
+
+def _watch() -> None:
+    _closing.wait(_PERIOD_S)
+    while _step_all():  # which keeps no robot alive while this thread waits
         _closing.wait(_PERIOD_S)
-        with _lock:
-            logs = _running()
-            if not logs:
-                _thread = None
-                return
-        for log in logs:
-            log.step()

@@ -32,7 +32,7 @@ __all__ = ["MoveError", "MoveResult"]
 STEP_S = 0.05
 """A move is stepped with every status, and at least this often."""
 _LONGEST_S = 4e6
-_UNITS = "radians (not degrees), or turns=True for more than two turns"
+_UNITS = "radians (not degrees), or allow_turns=True for more than two turns"
 
 
 class MoveResult(NamedTuple):
@@ -84,11 +84,11 @@ class MoveError(RobotError):
 class MoveOptions(NamedTuple):
     """Options of a move; None is the C library's default."""
 
-    linear_m_s: float | None = None
-    angular_rad_s: float | None = None
+    max_linear_m_s: float | None = None
+    max_angular_rad_s: float | None = None
     clearance_m: float | None = None
     timeout_s: float | None = None
-    turns: bool = False
+    allow_turns: bool = False
 
     def native(self) -> "_native.MoveOptions":
         """Make the C struct; ArgumentError names invalid values."""
@@ -99,8 +99,8 @@ class MoveOptions(NamedTuple):
         if timeout_s is not None:
             set_member("move_options", options, "timeout_ms", round(timeout_s * 1000))
         for name, most, unit in (
-            ("linear_m_s", MAX_M_S, "m/s"),
-            ("angular_rad_s", MAX_RAD_S, "rad/s"),
+            ("max_linear_m_s", MAX_M_S, "m/s"),
+            ("max_angular_rad_s", MAX_RAD_S, "rad/s"),
         ):
             value = getattr(self, name)
             if value is not None and not (is_within(0.0, value, most) and value > 0.0):
@@ -111,7 +111,8 @@ class MoveOptions(NamedTuple):
             if not is_within(0.0, self.clearance_m, 100.0):
                 raise unusable("clearance", self.clearance_m, "0 (ignore telemeters) to 100 m")
             set_member("move_options", options, "clearance_m", self.clearance_m)
-        set_member("move_options", options, "turns", int(switch("turns", self.turns)))
+        allow_turns = int(switch("allow_turns", self.allow_turns))
+        set_member("move_options", options, "allow_turns", allow_turns)
         return options
 
 
@@ -121,14 +122,14 @@ def arc_options(
     speed: float | None,
     clearance: float | None,
     timeout: float | None,
-    turns: bool,
+    allow_turns: bool,
 ) -> MoveOptions:
     """Choose the turn rate that results from the speed."""
     finite(distance_m=distance_m, angle_rad=angle_rad)
     turn_rate = None
     if speed is not None and is_within(0.0, speed, MAX_M_S) and distance_m != 0.0:
         turn_rate = min(speed * abs(angle_rad / distance_m), MAX_RAD_S) or None
-    return MoveOptions(speed, turn_rate, clearance, timeout, turns)
+    return MoveOptions(speed, turn_rate, clearance, timeout, allow_turns)
 
 
 class Move:
@@ -210,7 +211,7 @@ class Move:
     def now(self) -> MoveResult:
         """Return the progress."""
         try:
-            pose = _native.roburoc4_sample_latest(self._connection.handle, Service.LOCALIZATION)
+            pose = _native.latest_status(self._connection.handle, Service.LOCALIZATION)
         except NotKnownError:
             pose = None
         move = self._move
@@ -240,7 +241,7 @@ class Move:
         """Say where the obstacle is, and how far from the telemeter if that still sees it."""
         where = "ahead" if self._ahead else "behind"
         try:
-            status = _native.roburoc4_sample_latest(self._connection.handle, Service.TELEMETER)
+            status = _native.latest_status(self._connection.handle, Service.TELEMETER)
         except NotKnownError:
             return f", {where}"
         front_m, rear_m = (*status.distances_m, math.nan, math.nan)[:2]

@@ -32,7 +32,7 @@ class Moving(Generic[_R]):
         rangefinder) sees something nearer than the braking distance plus ``clearance`` in metres
         (0.5). It needs telemeters and bumpers that are known; 0 drives without them. Telemeters
         miss things. ``timeout`` is in seconds. ``on_progress`` is called repeatedly with a
-        MoveResult. The robot must be armed. Returns a MoveResult (of an AsyncRobot, when awaited);
+        MoveResult. The robot must be armed. Returns a MoveResult (with asyncio, when awaited);
         raises MoveError if the goal was not reached.
         """
         options = MoveOptions(speed, None, clearance, timeout)
@@ -63,15 +63,16 @@ class Moving(Generic[_R]):
         speed: float | None = None,
         clearance: float | None = None,
         timeout: float | None = None,
-        turns: bool = False,
+        allow_turns: bool = False,
         on_progress: Progress | None = None,
     ) -> _R:
         """Turn in place by this angle (negative: to the right), at ``speed`` rad/s (0.5).
 
-        More than two turns must be meant, with ``turns``: degrees look like that. Telemeters are
-        ignored; with ``clearance`` 0, so are bumpers that are unknown. Otherwise as :meth:`move`.
+        More than two turns must be meant, with ``allow_turns``: degrees look like that. Telemeters
+        are ignored; with ``clearance`` 0, so are bumpers that are unknown. Otherwise as
+        :meth:`move`.
         """
-        options = MoveOptions(None, speed, clearance, timeout, turns)
+        options = MoveOptions(None, speed, clearance, timeout, allow_turns)
         return self._go(Move(self._connection, options).by(0.0, angle_rad), on_progress)
 
     def arc(
@@ -82,14 +83,14 @@ class Moving(Generic[_R]):
         speed: float | None = None,
         clearance: float | None = None,
         timeout: float | None = None,
-        turns: bool = False,
+        allow_turns: bool = False,
         on_progress: Progress | None = None,
     ) -> _R:
         """Drive this far along an arc that turns by this angle; otherwise as :meth:`turn`.
 
         The turn rate follows from ``speed``, which is in m/s. Telemeters count.
         """
-        options = arc_options(distance_m, angle_rad, speed, clearance, timeout, turns)
+        options = arc_options(distance_m, angle_rad, speed, clearance, timeout, allow_turns)
         return self._go(Move(self._connection, options).by(distance_m, angle_rad), on_progress)
 
     def goto(

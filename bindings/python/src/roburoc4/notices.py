@@ -6,6 +6,8 @@ from typing import Protocol
 from . import _native
 from .constants import Event
 
+__all__ = ["FACTS", "Dangers", "change_text", "texts_of"]
+
 _LEVELS = {
     Event.LOST: "bad",
     Event.REBOOT: "bad",
@@ -44,7 +46,7 @@ class Dangers(Protocol):
 
     @property
     def inhibited(self) -> bool:
-        """It does not move although a speed is commanded."""
+        """It does not follow its commands: too slow, too fast, or the wrong way."""
 
 
 def change_text(event: Event, has_begun: bool | None) -> str:

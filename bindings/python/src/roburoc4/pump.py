@@ -2,8 +2,8 @@
 """A connection with a native thread, which keeps the link alive without Python.
 
 It never renews a drive command: if the program hangs, the robot is stopped. The thread has no
-references to the objects here, so dropping the last reference ends it; it sends a stop sequence if
-needed.
+references to the objects here, so dropping the last one (the robot, and what iterates over its
+events and statuses) ends it; it sends a stop sequence if needed.
 """
 
 import contextlib
@@ -19,7 +19,7 @@ _SLICE_S = 0.05
 
 
 class PumpReader(EventReader):
-    """A reader that waits for the thread. It does not keep the connection open."""
+    """A reader that waits for the thread."""
 
     def wait(self, mask: int, seconds: float) -> bool:
         return self._wait_us(mask, int(max(0.0, min(seconds, _SLICE_S)) * 1e6))

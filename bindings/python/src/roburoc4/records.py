@@ -167,7 +167,7 @@ class DirectoryEntry(NamedTuple):
 
 
 class Subscription(NamedTuple):
-    """The subscribers (4.2.2.3)."""
+    """An entry of the list of subscriptions (4.2.2.3)."""
 
     service: int
     period_cycles: int
@@ -375,7 +375,8 @@ class Facts(NamedTuple):
     driving: bool
     """A drive command is within its lease."""
     lapsed: bool
-    """The last lease expired, and ``drive`` was not called since."""
+    """The last lease expired, and none of ``drive``, ``arm``, ``pause`` or ``stop`` was called
+    since."""
     stopping: bool
     """Zero commands are being sent, or ``stop`` waits for the robot."""
     stop_outcome: StopOutcome
@@ -385,7 +386,8 @@ class Facts(NamedTuple):
     other_commander: bool
     """Another commander drives the robot."""
     inhibited: bool
-    """A speed is commanded, but the robot does not move: emergency stop, brakes, bumper."""
+    """The robot does not follow its commands: too slow (emergency stop, brakes, bumper), too
+    fast, or the wrong way."""
     fixed_id: bool
     front_bumper: bool | None
     """Pressed, by the last IO card status."""
@@ -393,14 +395,15 @@ class Facts(NamedTuple):
     battery_low: bool | None
     """Below the minimum, or critical."""
     missing: tuple[Service, ...]
-    """Services that the robot does not list, or whose subscription it refused."""
+    """Services that the robot does not list, or whose subscription it refused, or did not
+    acknowledge yet."""
     descriptions_done: bool
     disarm_cause: Result
     """Why it is not armed; ``OK`` while it is."""
     arm_refusal: Result
     """The result that ``arm`` would raise; ``OK`` if it would succeed."""
     relocalize_result: Result
-    """Result of the last ``relocalize``; ``UNKNOWN`` until it is answered."""
+    """Result of the last ``relocalize``; ``NOT_KNOWN`` until it is answered."""
     lease_left_us: int
     sent_linear_m_s: float
     """The last speeds sent; 0 after a zero."""
@@ -418,7 +421,7 @@ class ServiceLink(NamedTuple):
     period_us: int
     jitter_us: int
     age_us: int | None
-    """Time since the last status; None before the first."""
+    """Upper bound of the age of the last status; None before the first."""
     loss: float
     """Share of recent statuses that were lost, 0 to 1."""
 

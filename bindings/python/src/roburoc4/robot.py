@@ -53,7 +53,7 @@ from .settings import Settings, service_of
 from .udp import SocketConnection
 from .waiting import Steps, arming, going, until
 
-__all__ = ["ManualRobot", "Robot", "connect"]
+__all__ = ["Robot", "UnthreadedRobot", "connect"]
 
 _T = TypeVar("_T")
 _LONG_PAUSE_S = 0.25
@@ -296,7 +296,7 @@ class Robot(RobotBase, Moving[MoveResult]):
         return recording
 
 
-class ManualRobot(Robot):
+class UnthreadedRobot(Robot):
     """A robot without its own thread: ``connect(threaded=False)``.
 
     Call ``spin``, or any method that waits, repeatedly: otherwise nothing is received or repeated.
@@ -315,7 +315,7 @@ class ManualRobot(Robot):
             super().drive(linear_m_s, angular_rad_s, lease_s=lease_s)
         except NotArmedError as error:
             pause_s = self._socket.longest_pause_s
-            if pause_s < _LONG_PAUSE_S or error.code in (Result.DISARMED, Result.STOPPED):
+            if pause_s < _LONG_PAUSE_S or error.code in (Result.DISARMED, Result.STOP_CALLED):
                 raise
             raise NotArmedError(
                 f"{error}. The program received nothing for {pause_s:.1f} s: with threaded=False, "
@@ -358,7 +358,7 @@ def connect(
     wait: bool = ...,
     threaded: Literal[False],
     **settings: Unpack[Settings],
-) -> ManualRobot: ...
+) -> UnthreadedRobot: ...
 def connect(
     host: str = DEFAULT_HOST,
     *,
@@ -375,7 +375,7 @@ def connect(
 
     With ``threaded`` a native thread keeps the link alive, whatever Python does. It never renews a
     drive command, so if the program hangs, the robot is stopped. Without it, see
-    :class:`ManualRobot`.
+    :class:`UnthreadedRobot`.
 
         with roburoc4.connect("192.168.0.2") as robot:
             robot.arm()
@@ -387,7 +387,7 @@ def connect(
     if switch("threaded", threaded):
         robot = Robot(PumpConnection(host, settings), settings)
     else:
-        robot = ManualRobot(SocketConnection(host, settings), settings)
+        robot = UnthreadedRobot(SocketConnection(host, settings), settings)
     if wait:
         robot.wait_ready(timeout)
     return robot

@@ -183,7 +183,7 @@ class RobotBase:
     def _first(self, service: Service) -> Status:
         """Read the latest status; before the first, raise an error that names the remedy."""
         try:
-            return _native.roburoc4_sample_latest(self._connection.handle, service)
+            return _native.latest_status(self._connection.handle, service)
         except NotKnownError as error:
             name = service.name.lower()
             raise NotKnownError(
@@ -350,7 +350,7 @@ class RobotBase:
                 raise
         if self._stops != stops:
             self.stop()
-            raise error_of(Result.STOPPED)
+            raise error_of(Result.STOP_CALLED)
         return left_s
 
     def _end_of_drive_s(self, seconds: float) -> float:
@@ -376,7 +376,7 @@ class RobotBase:
     def _is_relocalized(self) -> bool:
         """Whether relocalize was answered; raises if it was refused."""
         code = self.facts.relocalize_result
-        if code == Result.UNKNOWN:
+        if code == Result.NOT_KNOWN:
             return False
         if code == Result.TIMEOUT:
             raise RobotTimeoutError("relocalize was not answered", code)

@@ -36,9 +36,9 @@ class Settings(TypedDict, total=False):
     robot_watchdog_ms: int
     """The watchdog time of the robot itself; 100 to 60000; 1000."""
     max_linear_m_s: float
-    """Ceiling of speed; 0.001 to 20; 1.0."""
+    """Ceiling of speed, before and after `scale_linear`; 0.001 to 5; 1.0."""
     max_angular_rad_s: float
-    """Ceiling of turn rate; 0.001 to 50; 1.5."""
+    """Ceiling of turn rate, likewise; 0.001 to 10; 1.5."""
     scale_linear: float
     """Factor on the speed given to ``drive``, and of what the wheels count; 0.01 to 10; 1."""
     scale_angular: float
@@ -46,7 +46,7 @@ class Settings(TypedDict, total=False):
     robot_file: str | PathLike[str]
     """File of ``roburoc4 first-contact`` or ``calibrate``: ids, indices of inputs, the robot's
     watchdog and both scales, as far as it has them. Other arguments take precedence."""
-    turn_keeping: bool
+    keep_curvature: bool
     """At a limit, slow down instead of turning less; off."""
     allow_unknown_override: bool
     """Arm although the game pad's input is unknown; off. Gives up a protection."""
@@ -79,7 +79,7 @@ class Settings(TypedDict, total=False):
 
 BUFFER_DEFAULT = 10_000
 
-_OPTIONS = {"turn_keeping": 1, "allow_unknown_override": 2, "ignore_other_commander": 4}
+_OPTIONS = {"keep_curvature": 1, "allow_unknown_override": 2, "ignore_other_commander": 4}
 _ELSEWHERE = ("buffer", "record", "record_max_bytes", "record_max_s")
 _ROLES = {
     "override_index": Role.OVERRIDE,

@@ -176,7 +176,7 @@ def _config_of(seed: int | None, family: int | None, settings: SimSettings) -> "
 
 def _serve(config: "_native.SimConfig", host: str, port: int) -> "_native.Simulation":
     try:
-        return _native.simulation_on_port(config, host, port)
+        return _native.new_simulation(config, host, port)
     except (TypeError, ValueError):
         raise unusable("host", host, "an IPv4 address of this machine") from None
     except OSError as error:

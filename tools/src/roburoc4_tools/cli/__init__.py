@@ -24,7 +24,7 @@ _INSTALLED_BY = {
 
 def main() -> None:
     """Run the command line and exit with its code."""
-    from . import signals
+    from ..terminal import signals
 
     signals.install()
     try:

@@ -35,7 +35,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "file", metavar="FILE", help="the robot file: written at the end, and changed if it exists"
     )
     parser.add_argument(
-        "--metres", type=_METRES, default=2.0, metavar="M", help="way ahead (default 2)"
+        "--metres", type=_METRES, default=2.0, metavar="M", help="distance to drive (default 2)"
     )
     parser.add_argument(
         "--turns", type=_TURNS, default=2.0, metavar="N", help="turns each way (default 2)"
@@ -93,7 +93,7 @@ def measure(robot: Robot, options: Options) -> tuple[float, float]:
     metres = _ask(f"The wheels counted {way.distance_m:.3f} m. How many metres was it really? ")
     counted_rad = degrees = 0.0
     for side, sign in (("left", 1), ("right", -1)):
-        turn = robot.turn(sign * angle_rad, turns=True, timeout=options.timeout)
+        turn = robot.turn(sign * angle_rad, allow_turns=True, timeout=options.timeout)
         robot.pause()
         counted_rad += abs(turn.angle_rad)
         counted = math.degrees(abs(turn.angle_rad))

@@ -17,11 +17,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..terminal.signals import unsuspendable
 from .errors import ExitCode, refused, unreachable, usage
 from .options import DEFAULT_ROBOT, Options, number, whole
 from .output import note
 from .session import note_recording, recording
-from .signals import unsuspendable
 
 if TYPE_CHECKING:
     from roburoc4 import Robot, Simulator

@@ -56,7 +56,7 @@ def why_not_armed(error: NotArmedError) -> str:
 
     if error.code is Result.OVERRIDE_UNKNOWN:
         return "game pad input unknown: run roburoc4 doctor, or use --allow-unknown-override"
-    if error.code is Result.STOPPED:
+    if error.code is Result.STOP_CALLED:
         return "the robot was stopped"
     if error.code is Result.LAPSED:
         return "this program was held up, so the robot was stopped: start again"

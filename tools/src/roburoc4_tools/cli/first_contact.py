@@ -10,11 +10,11 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..terminal.signals import Signalled, unsuspendable
 from . import session
 from .errors import ExitCode, refused, unwritable, usage
 from .options import DEFAULT_ROBOT, Options, add_robot
 from .output import note
-from .signals import Signalled, unsuspendable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -70,7 +70,7 @@ def _run(options: ContactOptions) -> int:
     from ..first_contact.contact import STEPS, Contact
     from ..first_contact.terminal import TerminalWorld
     from ..first_contact.wheels import LIFTED_BY
-    from .keyboard import Keyboard
+    from ..terminal.keyboard import Keyboard
 
     if not sys.stdin.isatty():
         raise usage("first-contact needs a terminal: people answer, and hold a key")

@@ -107,7 +107,9 @@ def _run_move(options: Options) -> int:
 def _run_turn(options: Options) -> int:
     def step(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
         speed = within_limits(robot, options.speed, "rad/s")
-        return robot.turn(options.angle, **_given(options, speed), turns=True, on_progress=show)
+        return robot.turn(
+            options.angle, **_given(options, speed), allow_turns=True, on_progress=show
+        )
 
     degrees = math.degrees(options.angle)
     intention = f"a turn of {degrees:.0f}°"

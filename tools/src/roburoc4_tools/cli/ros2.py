@@ -30,7 +30,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 
 def _refuse(_options: Options) -> int:
-    raise usage(
-        "ros2 needs the package roburoc4-ros2: pip install ./bindings/python ./tools ./ros2 in a "
-        "checkout (see docs/ros2.md)"
-    )
+    remedy = "pip install ./bindings/python ./tools ./ros2 in a checkout (see docs/ros2.md)"
+    if __file__.startswith("/usr/lib/python3/dist-packages/"):  # a distribution's package
+        remedy = "install the package beside this one (see docs/packages.md)"
+    raise usage(f"ros2 needs roburoc4-ros2: {remedy}")

@@ -13,12 +13,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from roburoc4 import DifferentialStatus
+from roburoc4.errors import MAX_M_S, MAX_RAD_S
 from roburoc4.latest import latest
 
+from ..terminal.signals import Signalled, unsuspendable
 from .errors import refused, unreachable, usage
 from .options import Options
 from .output import note
-from .signals import Signalled, unsuspendable
 
 if TYPE_CHECKING:
     from roburoc4 import Robot
@@ -114,7 +115,10 @@ def driven(
     options: Options, speeds: tuple[float, float] = (0.0, 0.0), **more: float
 ) -> Iterator[Robot]:
     """Connect to a robot that may be driven this fast: its game pad is known to be released."""
-    settings = {**_ceilings(*speeds), **recording(), **robot_file_of(options), **more}
+    known = _known(options)
+    settings: dict[str, Any] = {**_ceilings(*speeds, known), **recording(), **more}
+    if known:
+        settings["robot_file"] = options.robot_file
     with unsuspendable(), connected(options, **settings) as robot:
         note_recording(robot)
         if _has_inputs(robot):
@@ -133,24 +137,26 @@ def driven(
         yield robot
 
 
-def robot_file_of(options: Options) -> dict[str, Any]:
-    """Return the setting of a readable robot file."""
+def _known(options: Options) -> dict[str, float]:
+    """Return the numbers of the robot file, if there is one."""
     from roburoc4 import ArgumentError, robot_file
 
     if not options.robot_file:
         return {}
     try:
-        robot_file.load(options.robot_file)
+        return robot_file.load(options.robot_file)
     except ArgumentError as error:
         raise usage(f"--robot-file: {error}") from None
-    return {"robot_file": options.robot_file}
 
 
-def _ceilings(linear_m_s: float, angular_rad_s: float) -> dict[str, float]:
-    """Raise the default ceilings to the speeds that a user asked for."""
+def _ceilings(linear_m_s: float, angular_rad_s: float, known: dict[str, float]) -> dict[str, float]:
+    """Raise the default ceilings to the speeds that a user asked for, scaled or not."""
+    rounding = 1.0 + 1e-6  # the client computes with floats
+    linear_m_s = abs(linear_m_s) * max(1.0, known.get("scale_linear", 1.0) * rounding)
+    angular_rad_s = abs(angular_rad_s) * max(1.0, known.get("scale_angular", 1.0) * rounding)
     return {
-        "max_linear_m_s": max(_CEILING_M_S, abs(linear_m_s)),
-        "max_angular_rad_s": max(_CEILING_RAD_S, abs(angular_rad_s)),
+        "max_linear_m_s": min(max(_CEILING_M_S, linear_m_s), MAX_M_S),
+        "max_angular_rad_s": min(max(_CEILING_RAD_S, angular_rad_s), MAX_RAD_S),
     }
 
 

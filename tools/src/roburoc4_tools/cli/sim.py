@@ -14,8 +14,8 @@ import subprocess
 import sys
 from collections.abc import Callable
 
+from ..terminal.signals import Signalled
 from .errors import refused, usage
-from .signals import Signalled
 
 _PROGRAM = "roburoc4-sim" + (".exe" if sys.platform == "win32" else "")
 _HIGHEST_PORT = 65535

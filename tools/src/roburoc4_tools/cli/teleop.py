@@ -13,20 +13,20 @@ from typing import TYPE_CHECKING
 from roburoc4 import DifferentialStatus
 from roburoc4.latest import latest
 
+from ..terminal.deadman import DeadMan
+from ..terminal.keyboard import Keyboard, is_ctrl_c
+from ..terminal.signals import Signalled
 from . import session
-from .deadman import DeadMan
 from .errors import ExitCode, usage, why_not_armed
-from .keyboard import Keyboard, is_ctrl_c
 from .options import Options, add_robot
 from .output import console
-from .signals import Signalled
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from roburoc4 import Robot
 
-    from .keyboard import Key
+    from ..terminal.keyboard import Key
 
 _STEP_S = 0.05
 _GENTLE_LINEAR_M_S2 = 0.5
@@ -159,7 +159,7 @@ class _Teleop:
         facts = self._robot.facts
         if facts.disarm_cause is Result.INHIBITED:
             self._man.let_go()
-            self._trouble = "the robot does not move: check emergency stops, brakes and bumpers"
+            self._trouble = "the robot does not follow: check emergency stops, brakes and bumpers"
         wanted = self._wanted(now_s)
         if not facts.armed:
             self._speeds = (0.0, 0.0)

@@ -82,7 +82,7 @@ _PAST = {
     Result.OVERRIDE: "somebody held [A] on the robot's game pad",
     Result.INHIBITED: "the robot did not follow its commands: check emergency stops, brakes "
     "selector and bumpers, then arm again",
-    Result.STOPPED: "the robot was stopped",
+    Result.STOP_CALLED: "the robot was stopped",
     Result.LAPSED: "inputs came too late, so the robot was stopped",
     Result.LOST: "the robot was lost",
     Result.REBOOT: "the robot restarted",
@@ -101,7 +101,7 @@ def why_not_armed(code: int) -> str:
     """Return why the robot is not armed, and what to do; empty if nothing prevents arming."""
     if code in (Result.OK, Result.DISARMED):
         return ""
-    if code == Result.STOPPED:
+    if code == Result.STOP_CALLED:
         return "the robot was stopped"
     if code == Result.LAPSED:
         return "inputs came too late, so the robot was stopped: arm it again"

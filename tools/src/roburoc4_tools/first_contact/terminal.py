@@ -10,12 +10,12 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from ..cli.deadman import DeadMan
-from ..cli.keyboard import is_ctrl_c
+from ..terminal.deadman import DeadMan
+from ..terminal.keyboard import is_ctrl_c
 from .world import Datagram, World
 
 if TYPE_CHECKING:
-    from ..cli.keyboard import Keyboard
+    from ..terminal.keyboard import Keyboard
 
 _LONGEST = 2048
 _TICK_S = 0.002

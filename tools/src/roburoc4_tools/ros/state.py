@@ -68,7 +68,7 @@ def _driving(robot: Robot, *, watches: bool) -> Diagnosis:
     facts = robot.facts
     level, text = _FINE, "armed" if facts.armed else "not armed"
     if facts.inhibited:
-        level, text = _WARNING, "a speed is commanded, but the robot does not move"
+        level, text = _WARNING, "the robot does not follow its commands"
     elif facts.other_commander:
         level = _FINE if watches else _WARNING
         text = "another commander drives the robot"

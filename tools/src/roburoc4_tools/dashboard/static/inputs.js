@@ -6,7 +6,7 @@
 // LJ left and right to turn. [B] stops, LB and RB make it slower and faster.
 //
 // Browsers do not always report that a key was released: a menu, a drag or the Command key hide it. So a
-// key is held no longer than the keyboard repeats, as in cli/deadman.py. Only the key that was pressed
+// key is held no longer than the keyboard repeats, as in terminal/deadman.py. Only the key that was pressed
 // last repeats; it keeps the others held.
 
 import { mark } from "./text.js";
