@@ -177,11 +177,22 @@ heeding() {
     fi
 }
 
+# Tests draw from the seed in ROBUROC4_SEED. Unless it is set, it is a number of what HEAD contains: each
+# change draws anew, and a commit that passed passes again.
+set_seed() {
+    if [ -z "${ROBUROC4_SEED:-}" ] && content=$(git rev-parse 'HEAD^{tree}' 2>/dev/null); then
+        ROBUROC4_SEED=$((0x$(printf %.8s "$content")))
+        export ROBUROC4_SEED
+    fi
+    echo "seed ${ROBUROC4_SEED:-of each test is in its output}"
+}
+
 # run_ctest DIR [ARGUMENT...]: more tests than cores, as some only wait. A test begins again only where
 # it has measured that the machine stalled.
 run_ctest() {
     tree=$1
     shift
+    set_seed
     ctest --test-dir "$tree" -C RelWithDebInfo --parallel $(($(jobs) + 2)) --timeout "$longest_test_s" \
         --output-on-failure --no-tests=error "$@"
     ctest_again=$(grep -c '^begins again:' "$tree/Testing/Temporary/LastTest.log") || return 0
