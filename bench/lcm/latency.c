@@ -36,9 +36,9 @@ typedef struct bench {
     int heard; /* a message came on the channel that is waited for */
     const char *awaited;
     uint64_t heard_ns;
-    uint64_t cycles;
-    uint8_t status[64];
+    uint8_t status[64]; /* the simulator's newest */
     size_t status_size;
+    int is_new; /* the bridge, which drops what it had, did not get it yet */
 } bench;
 
 static uint64_t now_ns(void) {
@@ -57,8 +57,8 @@ static void on_message(const lcm_recv_buf_t *buffer, const char *channel, void *
     }
 }
 
-/* The simulator answers what the bridge asks; its own statuses are kept back, the localization one
- * as the pattern of ours. */
+/* The simulator answers what the bridge asks; its localization statuses are kept back, to be sent
+ * when their time is measured. */
 static void serve(bench *bench) {
     uint8_t data[ROBUROC4_SIM_MAX_TRANSMIT];
     struct sockaddr_in from;
@@ -78,18 +78,11 @@ static void serve(bench *bench) {
             roburoc4_decode_localization_status(data, (size_t)got, &status) >= 0) {
             memcpy(bench->status, data, (size_t)got);
             bench->status_size = (size_t)got;
+            bench->is_new = 1;
         } else {
             (void)sendto(bench->robot, data, (size_t)got, 0, (struct sockaddr *)&bench->bridge,
                          sizeof bench->bridge);
         }
-    }
-}
-
-/* The status as measured at this moment. */
-static void renew(bench *bench) {
-    bench->cycles++;
-    for (size_t index = 0; index < 8; index++) {
-        bench->status[3 + index] = (uint8_t)(bench->cycles >> (8 * index));
     }
 }
 
@@ -119,6 +112,14 @@ static void rest(bench *bench, uint64_t until_ns) {
     }
 }
 
+static double to_bridge(bench *bench) {
+    if (bench->is_new == 0) {
+        return -1.0;
+    }
+    bench->is_new = 0;
+    return once(bench, &bench->bridge, "ROBUROC4_LOCALIZATION");
+}
+
 static int open_all(bench *bench, char **arguments) {
     socklen_t length = sizeof bench->bridge;
     struct sockaddr_in own;
@@ -145,12 +146,8 @@ static int open_all(bench *bench, char **arguments) {
 static int wait_for_bridge(bench *bench) {
     for (int round = 0; round < READY_ROUNDS; round++) {
         rest(bench, now_ns() + ROUND_US * 1000u);
-        if (bench->status_size != 0) {
-            bench->cycles = bench->cycles != 0 ? bench->cycles : 100;
-            renew(bench);
-            if (round > 200 && once(bench, &bench->bridge, "ROBUROC4_LOCALIZATION") >= 0.0) {
-                return 0;
-            }
+        if (round > 200 && to_bridge(bench) >= 0.0) {
+            return 0;
         }
     }
     return -1;
@@ -167,17 +164,17 @@ int main(int count, char **arguments) {
         return 1;
     }
     long rounds = strtol(arguments[3], NULL, 10);
-    uint64_t next_ns = now_ns();
     for (long round = 0; round < rounds; round++) {
         double us[2]; /* bridge, bare loop; the other one first in the next round */
         for (long half = 0; half < 2; half++) {
-            next_ns += ROUND_US * 500u;
-            rest(&bench, next_ns);
+            rest(&bench, now_ns() + ROUND_US * 500u);
             if (((round + half) & 1) == 0) {
                 us[1] = once(&bench, &bench.bare, "BARE");
             } else {
-                renew(&bench);
-                us[0] = once(&bench, &bench.bridge, "ROBUROC4_LOCALIZATION");
+                for (int wait = 0; bench.is_new == 0 && wait < 1000; wait++) {
+                    rest(&bench, now_ns() + ROUND_US * 100u);
+                }
+                us[0] = to_bridge(&bench);
             }
         }
         (void)printf("%.2f %.2f\n", us[0], us[1]);

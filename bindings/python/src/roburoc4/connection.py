@@ -29,6 +29,8 @@ from .errors import (
 from .records import RecorderState, Status
 from .settings import STATUS_MASK, Settings, buffer_of, config_of
 
+SLICE_S = 0.05
+"""Waits are cut into slices, between which Python notices Ctrl-C."""
 ALL_EVENTS = 0x3FFFFFFF
 STATUS_EVENTS = STATUS_MASK << 4
 """Events that announce statuses."""
@@ -116,7 +118,7 @@ def _limit(value: float | None, name: str) -> int:
     return int(value)
 
 
-class EventReader(ABC):
+class EventReader:
     """A position in the events and statuses; used by one thread at a time."""
 
     def __init__(self, handle: "_native.Connection") -> None:
@@ -144,16 +146,13 @@ class EventReader(ABC):
         """
         return _native.read_samples(self._handle, self._reader, mask)
 
-    @abstractmethod
     def wait(self, mask: int, seconds: float) -> bool:
         """Wait for an event in ``mask`` that was not taken; False when the time is over.
 
         It may return early, so that Ctrl-C is noticed. Raises ClosedError after the end.
         """
-
-    def _wait_us(self, mask: int, timeout_us: int) -> bool:
-        """Wait without holding the interpreter lock."""
-        return _native.roburoc4_pump_wait_events(self._handle, self._reader, mask, timeout_us) != 0
+        wait_us = int(max(0.0, min(seconds, SLICE_S)) * 1e6)
+        return _native.roburoc4_pump_wait_events(self._handle, self._reader, mask, wait_us) != 0
 
 
 class Connection(ABC):

@@ -21,7 +21,7 @@ class ManualReader(EventReader):
         self._connection = connection
 
     def _is_waiting(self, mask: int) -> bool:
-        return self._wait_us(mask, 0)
+        return super().wait(mask, 0.0)
 
     def wait(self, mask: int, seconds: float) -> bool:
         if not self._is_waiting(mask):

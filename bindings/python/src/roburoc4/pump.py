@@ -14,16 +14,6 @@ from .errors import ClosedError
 from .log import Log, unwatch, watch
 from .settings import Settings
 
-_SLICE_S = 0.05
-"""Waits are cut into slices, between which Python notices Ctrl-C."""
-
-
-class PumpReader(EventReader):
-    """A reader that waits for the thread."""
-
-    def wait(self, mask: int, seconds: float) -> bool:
-        return self._wait_us(mask, int(max(0.0, min(seconds, _SLICE_S)) * 1e6))
-
 
 class PumpConnection(Connection):
     """A pump of roburoc4_pump.h."""
@@ -36,8 +26,8 @@ class PumpConnection(Connection):
         self.log = Log(self)
         watch(self.log)
 
-    def reader(self) -> PumpReader:
-        return PumpReader(self.handle)
+    def reader(self) -> EventReader:
+        return EventReader(self.handle)
 
     def sleep(self, seconds: float) -> None:
         self.reader().wait(0, seconds)

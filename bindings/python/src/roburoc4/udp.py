@@ -11,12 +11,11 @@ import select
 from collections.abc import Callable
 
 from . import _native
-from .connection import open_host
+from .connection import SLICE_S, open_host
 from .errors import ClosedError, NetworkError
 from .manual import ManualConnection
 from .settings import Settings
 
-_SLICE_S = 0.05
 _MARGIN_S = 0.5
 
 
@@ -45,7 +44,7 @@ class SocketConnection(ManualConnection):
         del until  # return as soon as something arrived
         self._longest_pause_s, self._moved_s = self.longest_pause_s, self.now_s()
         if _native.connection_exchange(self.handle) == 0 and seconds > 0:
-            wait_s = min(seconds, _SLICE_S, self.next_deadline_s())
+            wait_s = min(seconds, SLICE_S, self.next_deadline_s())
             _wait_readable(_native.roburoc4_udp_fd(self.handle), wait_s)
             _native.connection_exchange(self.handle)
 
@@ -80,7 +79,7 @@ class SocketConnection(ManualConnection):
         end_s = self.now_s() + self.watchdog_s + _MARGIN_S
         while not self.is_idle() and self.now_s() < end_s:
             with contextlib.suppress(NetworkError):  # a network that is down may come back
-                self.move(_SLICE_S, self.is_idle)
+                self.move(SLICE_S, self.is_idle)
         with contextlib.suppress(ClosedError):
             _native.roburoc4_udp_close(self.handle)
         self.end_recording()
