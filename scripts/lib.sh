@@ -368,10 +368,12 @@ stage() {
     fi
 }
 
-# What failed: pytest's summary, or else the end of the log.
+# What failed: pytest's summary; or else the end of the log, and the first failures in C++ with their seed.
 stage_failure() {
-    sed '1,/^=* short test summary info/d; /^SKIPPED /d' "$1" | head -n 60 | grep . ||
-        grep -v -e ' Passed ' -e '^ *Start ' "$1" | tail -n 60
+    sed '1,/^=* short test summary info/d; /^SKIPPED /d' "$1" | head -n 60 | grep . && return
+    grep -v -e ' Passed ' -e '^ *Start ' "$1" | tail -n 60
+    grep -m 1 '^seed ' "$1" || :
+    grep -E -A 5 ': Failure$|runtime error: |ERROR: [A-Z][a-z]*Sanitizer|^\[  FAILED  \].* ms\)$' "$1" | head -n 20 || :
 }
 
 stage_summary() {
