@@ -492,10 +492,11 @@ static uint8_t direction(const roburoc4_move *m) {
 static int32_t blocked(roburoc4_move *m, const roburoc4_move_view *v) {
     const float clearance_m = m->private_options.clearance_m;
     const float speed = magnitude(m->private_speed[LENGTH]);
-    const float brakes_m = positive(v->max_linear_m_s2) /* as hard as the robot may */
-                               ? 0.5F * speed * speed / v->max_linear_m_s2
-                               : 0;
-    const float needed_m = clearance_m + roburoc4_move_axis_rolls(m) + brakes_m +
+    const float brakes_m =
+        is_finite(v->max_linear_m_s2) && positive(v->max_linear_m_s2) /* as hard as the robot may */
+            ? 0.5F * speed * speed / v->max_linear_m_s2
+            : 0;
+    const float needed_m = clearance_m + roburoc4_move_axis_rolls(m, stretch_of(m)) + brakes_m +
                            speed * seconds_of(v->distance_age_us);
     const uint8_t pressed[] = {v->front_bumper, v->rear_bumper};
     const uint8_t bumper_known[] = {v->front_bumper_known, v->rear_bumper_known};
@@ -689,7 +690,9 @@ static bool rolls(roburoc4_move *m, uint64_t now_us) {
         } else {
             m->private_begun_us = now_us;
             forget_way(m);
-            if (m->private_kind != FOR) {
+            if (m->private_kind == FOR) {
+                roburoc4_move_axis_begin(m);
+            } else {
                 m->private_leg = 0;
                 (void)next_leg(m);
             }

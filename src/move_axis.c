@@ -267,16 +267,19 @@ static float doubt(const roburoc4_move *m, float commanded) {
     return positive(square) ? roburoc4_move_root(square) : 0;
 }
 
-float roburoc4_move_axis_rolls(const roburoc4_move *m) {
+float roburoc4_move_axis_rolls(const roburoc4_move *m, float stretch) {
+    const roburoc4_private_fit *f = &m->private_fit;
+    const bool learned = roburoc4_move_axis(m) == LENGTH;
     const float commanded = m->private_commanded[LENGTH];
     const float speed = magnitude(m->private_speed[LENGTH]);
     const float most = ROLLS_S * (speed + magnitude(m->linear_m_s));
-    const float gain = m->private_fit.gain;
     const float unsure =
-        less(gain, ROLLS_GAIN) ? (ROLLS_GAIN - gain) * lesser(magnitude(commanded), most) : 0;
-    const float known = magnitude(gain * commanded - m->private_by_speeds[LENGTH]) + unsure +
-                        2 * doubt(m, commanded);
-    return lesser(m->private_rolls ? ROLLS_UNKNOWN_S * speed : known, most + ROLLS_M);
+        less(f->gain, ROLLS_GAIN) ? (ROLLS_GAIN - f->gain) * lesser(magnitude(commanded), most) : 0;
+    const float rest = learned ? rest_at(m) - f->shift : commanded;
+    const float known =
+        magnitude(rest - m->private_by_speeds[LENGTH]) + unsure + 2 * doubt(m, commanded);
+    return lesser(m->private_rolls ? ROLLS_UNKNOWN_S * speed : known / lesser(stretch, 1),
+                  most + ROLLS_M);
 }
 
 /** Nothing is commanded, and the robot nearly stands. */

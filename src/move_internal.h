@@ -109,7 +109,7 @@ bool roburoc4_move_axis_learn(roburoc4_move *m, float passed_s, float late_s,
 float roburoc4_move_axis_speed(roburoc4_move *m);
 /** Whether the robot is at rest at the end of the leg, and will stay there. */
 bool roburoc4_move_axis_arrived(const roburoc4_move *m);
-/** What the robot covers yet of what was commanded. */
-float roburoc4_move_axis_rolls(const roburoc4_move *m);
+/** How far the robot drives yet by what was commanded; it comes along `stretch` times as far. */
+float roburoc4_move_axis_rolls(const roburoc4_move *m, float stretch);
 
 #endif

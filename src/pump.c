@@ -154,7 +154,7 @@ static roburoc4_result try_to_arm(roburoc4_pump *pump, uint32_t stops) {
     }
     result = roburoc4_client_arm(&pump->client, roburoc4_udp_now_us());
     flush(pump);
-    return result;
+    return pump->stops != stops ? ROBUROC4_ERR_STOP_CALLED : result;
 }
 
 roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump, uint32_t timeout_us) {
@@ -329,13 +329,11 @@ static uint32_t longest_stop_sequence_us(const roburoc4_config *config) {
 static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *address,
                              const roburoc4_address *local, const roburoc4_config *config,
                              roburoc4_recorder *recorder) {
-    roburoc4_config defaults;
     roburoc4_result result = roburoc4_client_init(&pump->client, sizeof pump->client, config);
     if (result < 0) {
         return result;
     }
-    (void)roburoc4_config_init(&defaults, sizeof defaults);
-    pump->stop_sequence_us = longest_stop_sequence_us(config != NULL ? config : &defaults);
+    pump->stop_sequence_us = longest_stop_sequence_us(&pump->client.private_config);
     if (address == NULL) {
         pump->threadless = 1;
         return make_meeting_points(pump) ? ROBUROC4_OK : ROBUROC4_ERR_SYSTEM;

@@ -739,6 +739,56 @@ TEST_F(MoveFault, KeepsItsClearanceWhateverTheRobotIsLike) {
     }
 }
 
+/** What was learned before something held the wheels is gone, but where the robot rolls to is not.
+ */
+TEST_F(MoveFault, KeepsItsClearanceAfterAnInterruption) {
+    Drawn drawn;
+    for (int i = 0; i < 60; i++) {
+        const bool wall = i % 2 == 0;
+        family_member robot = nominal;
+        robot.natural_rad_s = drawn.between(1.5, 2.5);
+        robot.damping = drawn.between(0.8, 1.2);
+        robot.gain = wall ? drawn.between(0.85, 1) : drawn.between(1, 1.15);
+        family_prepare(&rig, &robot, static_cast<std::uint64_t>(drawn.between(0, 1e9)));
+        arm();
+        options.max_linear_m_s = 1;
+        const double from_m = drawn.between(5, 12);
+        rig.robot.wall_x_m = wall ? from_m + drawn.between(4, 8) : 0;
+        std::uint32_t end_ms = 0;
+        const std::int32_t outcome = by(30, 0, [&] {
+            if (end_ms == 0 && rig.robot.x_m > from_m)
+                end_ms = rig.now_ms + 400;
+            if (rig.now_ms < end_ms)
+                hold_wheels();
+        });
+        EXPECT_NE(0U, end_ms);
+        EXPECT_EQ(wall, outcome == ROBUROC4_MOVE_OBSTACLE) << i << ": " << outcome;
+        if (wall) {
+            EXPECT_GT(rig.robot.wall_x_m - rig.robot.x_m, 0.2)
+                << robot.natural_rad_s << " rad/s, damping " << robot.damping << ", gain "
+                << robot.gain << ", held at " << from_m << ", wall at " << rig.robot.wall_x_m;
+        }
+    }
+}
+
+TEST_F(MoveFault, ForATimeKeepsItsClearanceIfItRolledBefore) {
+    Drawn drawn;
+    for (int i = 0; i < 40; i++) {
+        const bool wall = i % 2 == 0;
+        family_member robot = nominal;
+        robot.natural_rad_s = drawn.between(1.5, 2.5);
+        robot.gain = drawn.between(0.85, 1.15);
+        family_prepare(&rig, &robot, static_cast<std::uint64_t>(drawn.between(0, 1e9)));
+        arm();
+        drive_for_two_seconds(0.8F, 0);
+        rig.robot.wall_x_m = wall ? rig.robot.x_m + drawn.between(4, 8) : 0;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_for(&move, 0.8F, 0, 12000, &options));
+        EXPECT_EQ(wall ? ROBUROC4_MOVE_OBSTACLE : ROBUROC4_MOVE_REACHED, go()) << i;
+        if (wall)
+            EXPECT_GT(rig.robot.wall_x_m - rig.robot.x_m, 0.2) << i << ", gain " << robot.gain;
+    }
+}
+
 TEST_F(MoveFault, WithoutABumperOfItsOwnItDoesNotBegin) {
     const std::int32_t outcomes[] = {ROBUROC4_MOVE_NO_FRONT_BUMPER, ROBUROC4_MOVE_NO_REAR_BUMPER};
     for (const int bumper : {0, 1}) {

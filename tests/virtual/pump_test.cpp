@@ -770,6 +770,16 @@ TEST_F(Pump, AForkedChildHasNoPumpAndTheParentDrivesOn) {
     EXPECT_EQ(roburoc4_pump_running(pump_), 1);
 }
 
+/** The sanitizer of addresses looks on. */
+TEST_F(Pump, AConfigOfAnOlderProgramIsNotReadBeyondItsEnd) {
+    const std::uint32_t older[] = {8, 0};
+    std::vector<std::uint8_t> bytes(sizeof older);
+    std::memcpy(bytes.data(), older, sizeof older);
+    pump_ = roburoc4_pump_create(nullptr, reinterpret_cast<roburoc4_config *>(bytes.data()), 0,
+                                 nullptr, nullptr);
+    EXPECT_NE(nullptr, pump_);
+}
+
 TEST_F(Pump, AForkedChildMayDestroyWhatIsLocked) {
     pump_ = roburoc4_pump_create(nullptr, nullptr, 0, nullptr, nullptr);
     in_child([&] { roburoc4_pump_destroy(pump_); });
