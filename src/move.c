@@ -91,13 +91,18 @@ roburoc4_result roburoc4_move_options_init(roburoc4_move_options *options, size_
     return ROBUROC4_OK;
 }
 
+/** Whether this can limit a speed or an acceleration. */
+static bool limits(float most) {
+    return is_finite(most) && positive(most);
+}
+
 static roburoc4_result checked(const roburoc4_move *m) {
     const roburoc4_move_options *o = &m->private_options;
     const float most[] = {o->max_linear_m_s, o->max_angular_rad_s, o->max_linear_m_s2,
                           o->max_angular_rad_s2};
     bool valid = is_finite(o->clearance_m) && !negative(o->clearance_m);
     for (uint32_t i = 0; i < sizeof most / sizeof *most; i++) {
-        valid = valid && is_finite(most[i]) && positive(most[i]);
+        valid = valid && limits(most[i]);
     }
     if (!valid) {
         return ROBUROC4_ERR_ARGUMENT;
@@ -289,7 +294,7 @@ static float stretch_of(const roburoc4_move *m) {
 
 /** Not more than the robot's own limit, where that is known. */
 static float at_most_own(float value, float own) {
-    return is_finite(own) && positive(own) ? lesser(value, own) : value;
+    return limits(own) ? lesser(value, own) : value;
 }
 
 /** Speeds and accelerations: the requested ones, limited to the robot's own. Returns how long their
@@ -492,10 +497,9 @@ static uint8_t direction(const roburoc4_move *m) {
 static int32_t blocked(roburoc4_move *m, const roburoc4_move_view *v) {
     const float clearance_m = m->private_options.clearance_m;
     const float speed = magnitude(m->private_speed[LENGTH]);
-    const float brakes_m =
-        is_finite(v->max_linear_m_s2) && positive(v->max_linear_m_s2) /* as hard as the robot may */
-            ? 0.5F * speed * speed / v->max_linear_m_s2
-            : 0;
+    const float brakes_m = limits(v->max_linear_m_s2) /* as hard as the robot may */
+                               ? 0.5F * speed * speed / v->max_linear_m_s2
+                               : 0;
     const float needed_m = clearance_m + roburoc4_move_axis_rolls(m, stretch_of(m)) + brakes_m +
                            speed * seconds_of(v->distance_age_us);
     const uint8_t pressed[] = {v->front_bumper, v->rear_bumper};
