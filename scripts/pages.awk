@@ -23,9 +23,18 @@ function row_of(line,    i) {
     return 0
 }
 
+# again(), in scripts/try-pages, decides whether a command that met a robot is worth another try.
+function type(command) {
+    if (command ~ /^(cmake|cc|pip|sudo|python3 -m|arm-none|cd|cp|mkdir|mkoctfile|export|\.) /) {
+        print command "\ntest $? -eq 0" # -e does not see that "a && b" failed in a
+    } else {
+        printf "until %s\ndo again || break; done; tries=0\n", command
+    }
+}
+
 function flush_octave() {
     if (octave != "") {
-        printf "octave-cli --quiet <<\"END\"\n%sEND\n", octave
+        type("octave-cli --quiet <<\"END\"\n" octave "END")
     }
     octave = ""
 }
@@ -41,11 +50,11 @@ function type_block(    i) {
     } else if (language == "sh") {
         for (i = 1; i <= count; i++) {
             if (!row_of(lines[i])) {
-                print lines[i] "\ntest $? -eq 0" # -e does not see that "a && b" failed in a
+                type(lines[i])
             }
         }
     } else if (language == "python") {
-        printf "python3 - <<\"END\"\n%sEND\n", text
+        type("python3 - <<\"END\"\n" text "END")
     }
 }
 
@@ -132,7 +141,7 @@ inside {
 # A command in the text.
 typing && /^`roburoc4 / && !check && want == "" {
     split($0, part, "`")
-    print "timeout --preserve-status -s INT 15 " part[2] " || test $? -eq 130"
+    type("timeout --preserve-status -s INT 15 " part[2] " || test $? -eq 130")
 }
 
 END {

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # drive_square.sh CASE SIMULATOR DRIVE_SQUARE: the example drive_square against the simulator as real
-# processes. CASE is what happens: estop, interrupted. scripts/demo drives the whole square.
+# processes. CASE is what happens: estop, interrupted.
 set -eu
 case_name=$1
 simulator_program=$2
