@@ -375,12 +375,19 @@ static void note_gap(roburoc4_move *m, uint32_t passed) {
     }
 }
 
+static float factor(float true_per_pose) {
+    return is_zero(true_per_pose) || !is_finite(true_per_pose) ? 1 : true_per_pose;
+}
+
 /** Follow the pose, and say what is new in it; false if it jumped by more than any speed explains.
  */
 static bool note_pose(roburoc4_move *m, const roburoc4_move_view *v, roburoc4_move_news *news) {
     const uint32_t passed = cycles_from(m->private_pose_cycles, v->pose_cycles);
     const float passed_s = seconds_in(passed);
     const int64_t pose[] = {fixed(v->x_m), fixed(v->y_m), fixed(v->theta_rad)};
+    /* An external localizer may begin, or fall silent. */
+    m->private_per_pose[LENGTH] = factor(v->true_per_pose_m);
+    m->private_per_pose[ANGLE] = factor(v->true_per_pose_rad);
     if (m->private_posed) {
         const float x = unfixed(pose[0] - m->private_pose[0]);
         const float y = unfixed(pose[1] - m->private_pose[1]);
@@ -743,10 +750,6 @@ static float followed(float sent, float speed) {
                : 0;
 }
 
-static float factor(float true_per_pose) {
-    return is_zero(true_per_pose) || !is_finite(true_per_pose) ? 1 : true_per_pose;
-}
-
 /** Plan the move as soon as everything that it needs is known, or after a second end it with what
  * is missing. */
 static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
@@ -778,8 +781,6 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
                        beyond(v->angular_rad_s, rolling_speed[ANGLE]);
     m->private_relocalized = v->relocalized;
     m->private_step_us = m->private_pose_us = now_us;
-    m->private_per_pose[LENGTH] = factor(v->true_per_pose_m);
-    m->private_per_pose[ANGLE] = factor(v->true_per_pose_rad);
     if (v->pose_cycles != 0 && !rest) {
         roburoc4_move_news first;
         (void)note_pose(m, v, &first);

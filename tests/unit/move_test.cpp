@@ -963,6 +963,24 @@ TEST_F(MoveView, ItTurnsTheShortWayAndTheScaledWay) {
     EXPECT_NEAR(0.5 * (2 * pi - 6), move.remaining_rad, 1e-3);
 }
 
+TEST_F(MoveView, WhatAPoseMeansMayChangeInMidMove) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2, 0, nullptr));
+    view.true_per_pose_m = 0.5F;
+    step();
+    float driven_m = 0;
+    while (driven_m < 1) {
+        if (driven_m > 0.5F)
+            view.true_per_pose_m = 1; /* an external localizer begins */
+        view.sent_linear_m_s = view.linear_m_s = move.linear_m_s;
+        driven_m += 0.05F * move.linear_m_s;
+        view.x_m += double{0.05F * move.linear_m_s / view.true_per_pose_m};
+        view.speed_cycles = view.pose_cycles += 5;
+        now_us += 50000;
+        ASSERT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step_view(&move, &view, now_us));
+        ASSERT_NEAR(driven_m, move.distance_m, 1e-3);
+    }
+}
+
 TEST_F(MoveView, ALegIsAsGoodAsAMoveOfItsOwn) {
     std::vector<float> speeds[2]; /* of the last turn, as the last leg and alone */
     for (const bool alone : {false, true}) {
