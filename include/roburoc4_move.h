@@ -38,8 +38,9 @@
  *                 move begins, else by the reported speeds. A move ends where what was commanded,
  *                 the speeds and the pose disagree, beyond what a robot's lag explains, by more
  *                 than 0.15 m or 15 degrees plus a fifth of the distance. It also ends once it
- *                 commanded 1.25 times the distance plus 0.2 m or 20 degrees, so that wheels that
- *                 count too little take it no further, and where the robot is relocalized. Wheels
+ *                 commanded, along its line or arc and since something last held the wheels, 1.25
+ *                 times the distance plus 0.2 m or 20 degrees, so that wheels that count too
+ *                 little take it no further, and where the robot is relocalized. Wheels
  *                 slip, above all in turns, and odometry does not notice: relocalize between moves
  *                 if you know the pose better (docs/moves.md has figures). scale_linear and
  *                 scale_angular of the client's configuration correct what the wheels count.
