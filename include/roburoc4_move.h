@@ -38,12 +38,13 @@
  *                 move begins, else by the reported speeds. A move ends where what was commanded,
  *                 the speeds and the pose disagree, beyond what a robot's lag explains, by more
  *                 than 0.15 m or 15 degrees plus a fifth of the distance. It also ends once it
- *                 commanded, along its line or arc and since something last held the wheels, 1.25
- *                 times the distance plus 0.2 m or 20 degrees, so that wheels that count too
- *                 little take it no further, and where the robot is relocalized. Wheels
- *                 slip, above all in turns, and odometry does not notice: relocalize between moves
- *                 if you know the pose better (docs/moves.md has figures). scale_linear and
- *                 scale_angular of the client's configuration correct what the wheels count.
+ *                 commanded, along its line or arc, 1.25 times the distance plus 0.2 m or 20
+ *                 degrees (what it commanded while something held the wheels does not count), so
+ *                 that wheels that count too little take it no further, and where the robot is
+ *                 relocalized. Wheels slip, above all in turns, and odometry does not notice:
+ *                 relocalize between moves if you know the pose better (docs/moves.md has
+ *                 figures). scale_linear and scale_angular of the client's configuration correct
+ *                 what the wheels count.
  *   Obstacles     A bumper that is pressed in the direction of travel, or newly pressed anywhere,
  *                 ends a move. So does a telemeter (ultrasonic rangefinder) in the direction of
  *                 travel that reports less than the clearance, the distance that the robot still
@@ -162,7 +163,8 @@ typedef struct roburoc4_move {
     uint32_t private_stop_us;    /* when the stop sequence began that the last step saw */
     float private_mark;          /* where it was when it last moved, */
     uint32_t private_stood_us;   /* and how long ago that was */
-    uint32_t private_spare[7];
+    float private_asked[2];      /* commanded in this leg while the wheels moved */
+    uint32_t private_spare[5];
 } roburoc4_move;
 
 /* Begin a move in any memory. Nothing is sent: the first step plans the move.

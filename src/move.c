@@ -231,6 +231,7 @@ static void forget_way(roburoc4_move *m) {
 static void start_leg(roburoc4_move *m, float distance_m, float angle_rad) {
     m->private_goal[LENGTH] = distance_m;
     m->private_goal[ANGLE] = angle_rad;
+    m->private_asked[LENGTH] = m->private_asked[ANGLE] = 0;
     forget_way(m);
     roburoc4_move_axis_begin(m);
 }
@@ -463,7 +464,9 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
     const bool pose =
         m->private_posed && v->pose_cycles != 0 && v->pose_cycles != m->private_pose_cycles;
     for (uint32_t i = 0; i < BOTH; i++) {
-        m->private_commanded[i] += passed_s * sent[i] * stretch[i];
+        const float commanded = passed_s * sent[i] * stretch[i];
+        m->private_commanded[i] += commanded;
+        m->private_asked[i] += is_moving(m) ? commanded : 0;
         m->private_lagging[i] +=
             passed_s / LAGGING_S * (m->private_commanded[i] - m->private_lagging[i]);
     }
@@ -562,11 +565,13 @@ static bool witnesses_disagree(const roburoc4_move *m, const float *follows) {
 }
 
 /** However late a robot follows, reaching its goal takes no commands far beyond it. Where it seems
- * to, the robot hardly moves, or its odometry counts too little. */
+ * to, the robot hardly moves, or its odometry counts too little; then what was commanded before
+ * something held the wheels counts, too. */
 static bool commands_too_much(const roburoc4_move *m) {
     const uint32_t axis = roburoc4_move_axis(m);
     return has_goal(m) && !m->private_rolls &&
-           disagree(axis, m->private_commanded[axis], m->private_goal[axis], 0);
+           (disagree(axis, m->private_commanded[axis], m->private_goal[axis], 0) ||
+            disagree(axis, m->private_asked[axis], m->private_goal[axis], 0));
 }
 
 /** So far from its line or arc that it would hardly find back: it does not turn as it drives. */

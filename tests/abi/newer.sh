@@ -81,8 +81,8 @@ change include/roburoc4_move.h 'BEGIN { left = 3 }
         $0 = "    uint32_t private_relocalized;"
         left--
     }
-    /^    uint32_t private_spare\[7\];/ {
-        $0 = "    uint32_t private_spare[6], private_timeout_ms, private_duration_ms;"
+    /^    uint32_t private_spare\[5\];/ {
+        $0 = "    uint32_t private_spare[4], private_timeout_ms, private_duration_ms;"
         $0 = $0 "\n    roburoc4_move_options private_options;"
         left--
     }'

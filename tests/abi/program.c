@@ -160,8 +160,10 @@ static void record(const char *folder) {
     check(roburoc4_udp_record(&all.udp.value, recorder) == 0, "record");
     check(roburoc4_client_init(&all.client.value, sizeof all.client.value, NULL) == 0, "a client");
     check(roburoc4_client_start(&all.client.value, roburoc4_udp_now_us()) == 0, "start");
-    check(roburoc4_udp_transmit_all(&all.udp.value, &all.client.value) == 1, "send a request");
-    check(all.udp.value.counters[ROBUROC4_UDP_COUNT_SENT] == 1 &&
+    /* more than one where this machine stalls for longer than a request waits for its answer */
+    result = roburoc4_udp_transmit_all(&all.udp.value, &all.client.value);
+    check(result >= 1, "send a request");
+    check(all.udp.value.counters[ROBUROC4_UDP_COUNT_SENT] == (uint64_t)result &&
               all.udp.value.counters[ROBUROC4_UDP_COUNT_RECEIVED] == 0 &&
               all.udp.value.address.port == address.port,
           "the socket's fields are others");

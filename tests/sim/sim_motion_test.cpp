@@ -15,7 +15,6 @@ using namespace roburoc4_tests;
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr double cycle_s = 0.01;
 
 roburoc4_sim_config without_slip() {

@@ -771,6 +771,34 @@ TEST_F(MoveFault, KeepsItsClearanceAfterAnInterruption) {
     }
 }
 
+TEST_F(MoveFault, WheelsThatCountTooLittleTakeItNoFurtherAfterInterruptions) {
+    Drawn drawn;
+    for (int i = 0; i < 30; i++) {
+        family_member robot = nominal;
+        robot.natural_rad_s = drawn.between(2, 4);
+        family_prepare(&rig, &robot, static_cast<std::uint64_t>(drawn.between(0, 1e9)));
+        arm();
+        rig.robot.scale_distance = rig.robot.scale_angle = rig.robot.scale_speeds =
+            drawn.between(0.3, 0.75);
+        options.max_linear_m_s = static_cast<float>(drawn.between(0.3, 0.8));
+        const auto way_m = static_cast<float>(drawn.between(2, 5));
+        const double apart_m = drawn.between(0.7, 1.5);
+        double next_m = apart_m;
+        std::uint32_t end_ms = 0;
+        by(way_m, 0, [&] {
+            if (rig.robot.x_m > next_m) {
+                end_ms = rig.now_ms + 800;
+                next_m += apart_m;
+            }
+            if (rig.now_ms < end_ms)
+                hold_wheels();
+        });
+        EXPECT_LT(rig.robot.x_m, 1.25 * double{way_m} + 0.2 + 0.4)
+            << i << ": " << way_m << " m, scale " << rig.robot.scale_speeds << ", outcome "
+            << move.outcome;
+    }
+}
+
 TEST_F(MoveFault, ForATimeKeepsItsClearanceIfItRolledBefore) {
     Drawn drawn;
     for (int i = 0; i < 40; i++) {
