@@ -3,6 +3,7 @@
 ROBUROC4_DRIVE_PROGRAM are roburoc4-sim and examples/drive, STALLS is tests/adapters/stalls.c."""
 
 import contextlib
+import functools
 import math
 import os
 import select
@@ -350,13 +351,32 @@ def judge_simulator() -> list[Any]:
 
 
 def expect_none(judge: Callable[[], Any]) -> None:
-    """Faults of what is judged in real time: again, where this machine stalled meanwhile."""
-    for _ in range(3):
-        with watch_stalls() as stalls_ms:
-            faults = judge()
-        if not faults or not stalls_ms:
-            break
-    assert not faults, (faults, stalls_ms)
+    faults = judge()
+    assert not faults, faults
+
+
+def judged(test: Callable[[Any], None]) -> Callable[[Any], None]:
+    """What fails in real time runs again where this machine stalled; long stalls judge nothing."""
+
+    @functools.wraps(test)
+    def tries(self: unittest.TestCase) -> None:
+        for left in (2, 1, 0):
+            failed = None
+            with watch_stalls() as stalls_ms:
+                try:
+                    test(self)
+                except AssertionError as error:
+                    failed = error
+            if failed is None:
+                return
+            stall_ms = max(map(int, stalls_ms), default=0)
+            if stall_ms == 0 or (left == 0 and stall_ms < 200):
+                raise failed
+            verdict = "begins again" if left else "not judged"
+            print(f"{verdict}: this machine stalled for {stall_ms} ms")
+        self.skipTest("not judged: this machine stalled each time")
+
+    return tries
 
 
 class Conformance(unittest.TestCase):
@@ -373,6 +393,7 @@ class Conformance(unittest.TestCase):
 
         expect_none(wrong)
 
+    @judged
     def test_telegrams_have_the_bytes_of_their_values(self) -> None:
         for name, entry in ENTRIES.items():
             with self.subTest(name):
@@ -380,16 +401,20 @@ class Conformance(unittest.TestCase):
                 assert data == encode(name)
                 assert data == encode(name, **decode(name, data))
 
+    @judged
     def test_a_right_robot_has_no_fault(self) -> None:
         assert not judge_robot(lambda robot: None, drive=True).faults
 
+    @judged
     def test_each_wrong_robot_is_told_its_fault(self) -> None:
         self.expect(ROBOTS, lambda prepare: judge_robot(prepare, drive=False))
         self.expect(DRIVEN, lambda prepare: judge_robot(prepare, drive=True))
 
+    @judged
     def test_a_right_client_has_no_fault(self) -> None:
         assert not judge_client(client(same)).faults
 
+    @judged
     def test_each_wrong_client_is_told_its_fault(self) -> None:
         self.expect(
             CLIENTS,
@@ -398,9 +423,11 @@ class Conformance(unittest.TestCase):
             ),
         )
 
+    @judged
     def test_the_simulator_conforms(self) -> None:
         expect_none(judge_simulator)
 
+    @judged
     def test_the_library_conforms(self) -> None:
         ended: list[int] = []
 
