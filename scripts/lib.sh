@@ -381,7 +381,7 @@ stage_failure() {
 stage_summary() {
     ctest_line "$1" | grep . || tail -n 1 "$1" | cut -c 1-120
     if stage_unjudged=$(grep -c 'not judged: ' "$1"); then
-        echo "NOT JUDGED: $stage_unjudged, because this machine stalled each time"
+        echo "NOT JUDGED: $stage_unjudged, because this machine stalled"
     fi
     stage_again=$(grep -c '^RERUN ' "$1") || return 0
     echo "$stage_again tests of pytest began again because this machine stalled"

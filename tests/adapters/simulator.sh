@@ -33,7 +33,7 @@ start() {
 
 # A program gives up when it has heard no status for 300 ms, or has not driven for 250, as it should. A
 # loaded machine may not run it for that long: then, and only where such a stall was measured, the whole
-# test begins again. One that stalled for so long each time cannot judge it: the test was not run.
+# test begins again. One that stalls for so long in the last try, too, cannot judge it: the test was not run.
 hopeless_ms=200
 if [ -n "${STALLS:-}" ]; then
     "$STALLS" >stalls_ms &

@@ -2,7 +2,8 @@
 """For pytest: a failure on a machine that was measured to be too busy is reported as that.
 
 Such tests are run again, and listed (run_pytest in scripts/lib.sh). Where the machine stalls for
-about a lease each time, it cannot judge them: they are skipped as "not judged", and counted.
+about a lease in the last try, too, it cannot judge them: they are skipped as "not judged", and
+counted.
 """
 
 import mmap
@@ -19,6 +20,7 @@ _TOO_LATE_S = 0.05
 _HOPELESS_S = 0.2
 """With what else takes time, a stall of this length ends a lease of 250 ms."""
 _TRIES = 3
+"""As many as --reruns allows in scripts/lib.sh and ros2/tests/fastdds/pytest.ini."""
 
 
 class MachineTooBusyError(Exception):
