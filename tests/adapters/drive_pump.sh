@@ -9,9 +9,6 @@ simulator_program=$2
 drive_pump=$3
 # shellcheck source=tests/adapters/simulator.sh
 . "$(dirname "$0")/simulator.sh"
-restart() {
-    exec sh "$0" "$case_name" "$simulator_program" "$drive_pump"
-}
 
 case $case_name in
 eight)

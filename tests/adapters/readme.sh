@@ -14,9 +14,6 @@ newer_libraries=${5:-}
 cmake=${4:-}
 # shellcheck source=tests/adapters/simulator.sh
 . "$(dirname "$0")/simulator.sh"
-restart() {
-    exec sh "$0" "$case_name" "$root" "$build" "$older_libraries" "$newer_libraries"
-}
 
 # block NAME PAGE: the file of that name, or the first block of code in that language.
 block() {
@@ -106,13 +103,13 @@ newer)
     stands_after_a_drive
     ;;
 installed)
-    "$cmake" --install "$build" --config "$CONFIG" --prefix "$folder/installed" >install.log
+    "$cmake" --install "$build" --config "$CONFIG" --prefix "$attempt/installed" >install.log
     mkdir project
     cp "$root/examples/drive_loop.c" project
     block CMakeLists.txt "$root/docs/c.md" >project/CMakeLists.txt
-    "$cmake" -S project -B project/build "-DCMAKE_PREFIX_PATH=$folder/installed" >cmake.log
+    "$cmake" -S project -B project/build "-DCMAKE_PREFIX_PATH=$attempt/installed" >cmake.log
     "$cmake" --build project/build >>cmake.log
-    PKG_CONFIG_PATH=$(dirname "$(find "$folder/installed" -name roburoc4-udp.pc)")
+    PKG_CONFIG_PATH=$(dirname "$(find "$attempt/installed" -name roburoc4-udp.pc)")
     LD_LIBRARY_PATH=$(dirname "$PKG_CONFIG_PATH")
     export PKG_CONFIG_PATH LD_LIBRARY_PATH
     line=$(grep '^cc drive_loop.c ' "$root/docs/c.md")
