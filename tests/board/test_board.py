@@ -14,10 +14,13 @@ import socket
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 import typing
 import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "support"))
+
+from judged import TRIES, judged
 
 PAGE = pathlib.Path(__file__).parents[2] / "docs/firmware.md"
 FOLDER = pathlib.Path(sys.argv.pop(1)).resolve()
@@ -28,10 +31,7 @@ BOARDS = {
 }
 COUNTER = 0x40028018  # of examples/board/mps2.h
 LIMIT_S = 30  # what takes so long does not happen
-TRIES = 3
 WATCHDOG_S = 1.0
-STALL_S = 0.15
-HOPELESS_S = 0.2
 BRAKING_M = 0.38  # from 0.5 m/s
 
 
@@ -163,52 +163,6 @@ def build(machine):
     subprocess.run(["sh", "build.sh", *flags], cwd=folder, check=True)
 
 
-class StallWatch(threading.Thread):
-    """How long this machine let nothing run: a client that hears nothing stops, as it should."""
-
-    def __init__(self):
-        super().__init__(daemon=True)
-        self.longest_s = 0.0
-
-    def run(self):
-        before = time.monotonic()
-        while True:
-            time.sleep(0.02)
-            now = time.monotonic()
-            self.longest_s = max(self.longest_s, now - before)
-            before = now
-
-
-@functools.cache
-def stall_watch():
-    watch = StallWatch()
-    watch.start()
-    return watch
-
-
-def again_where_starved(test):
-    """A test that failed begins again, but only where this machine is seen to have stalled."""
-
-    @functools.wraps(test)
-    def tries(self):
-        for left in reversed(range(TRIES)):
-            stall_watch().longest_s = 0.0
-            try:
-                test(self)
-            except AssertionError as error:
-                stall_s = stall_watch().longest_s
-                if stall_s < (STALL_S if left else HOPELESS_S):
-                    raise
-                if left == 0:
-                    self.skipTest(f"not judged: this machine stalled for {stall_s:.2f} s; {error}")
-                print(f"begins again: this machine stalled for {stall_s:.2f} s; {error}")
-                self.doCleanups()
-            else:
-                return
-
-    return tries
-
-
 def is_at_rest(state):
     return state.speed_m_s == 0 and state.target_m_s == 0
 
@@ -258,7 +212,7 @@ class Drives:
 
         return robot().wait("the end of this time", checked)
 
-    @again_where_starved
+    @judged
     def test_it_drives_a_straight_metre(self):
         for _ in range(TRIES):  # where this machine is busy, the key is released late
             board = self.start()
@@ -275,14 +229,14 @@ class Drives:
             board.kill()
         self.fail(f"not a metre: {at_rest}")
 
-    @again_where_starved
+    @judged
     def test_the_robot_stops_within_its_watchdog_when_the_board_dies(self):
         board = self.start()
         self.drive_off(board, "5")
         board.kill()
         self.check_watchdog_stops(robot().state())
 
-    @again_where_starved
+    @judged
     def test_the_robot_stops_when_the_cable_is_cut_and_drives_again_only_when_told(self):
         board = self.start()
         self.drive_off(board, "5")
@@ -293,7 +247,7 @@ class Drives:
         self.keep_target(0, lambda state: state.cycles - stopped.cycles > 200)
         self.drive_off(board, "5")
 
-    @again_where_starved
+    @judged
     def test_it_drives_on_when_the_timer_wraps(self):
         for _ in range(TRIES):  # the timer wraps 5 s after the start, and this machine may be slow
             board = self.start()

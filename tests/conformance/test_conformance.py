@@ -3,7 +3,6 @@
 ROBUROC4_DRIVE_PROGRAM are roburoc4-sim and examples/drive, STALLS is tests/adapters/stalls.c."""
 
 import contextlib
-import functools
 import math
 import os
 import select
@@ -11,15 +10,18 @@ import socket
 import subprocess
 import sys
 import unittest
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 from judge_client import ClientJudge
 from judge_robot import RobotJudge
+from judged import judged
 from played_robot import IDS, PlayedRobot
 from telegrams import ENTRIES, STATUS, Report, Values, decode, encode
 
@@ -326,18 +328,6 @@ CLIENTS: list[tuple[str, Callable[[PlayedRobot], None]]] = [
 ]
 
 
-@contextlib.contextmanager
-def watch_stalls() -> Iterator[list[bytes]]:
-    """What the program STALLS prints meanwhile: a line for each stall of this machine."""
-    stalls: list[bytes] = []
-    with subprocess.Popen([os.environ["STALLS"]], stdout=subprocess.PIPE) as watcher:
-        try:
-            yield stalls
-        finally:
-            watcher.terminate()
-            stalls.extend(watcher.communicate()[0].split())
-
-
 def judge_simulator() -> list[Any]:
     with subprocess.Popen(
         [os.environ["ROBUROC4_SIM_PROGRAM"], "--port", "0"], stdout=subprocess.PIPE, text=True
@@ -353,30 +343,6 @@ def judge_simulator() -> list[Any]:
 def expect_none(judge: Callable[[], Any]) -> None:
     faults = judge()
     assert not faults, faults
-
-
-def judged(test: Callable[[Any], None]) -> Callable[[Any], None]:
-    """What fails in real time runs again where this machine stalled; long stalls judge nothing."""
-
-    @functools.wraps(test)
-    def tries(self: unittest.TestCase) -> None:
-        for left in (2, 1, 0):
-            failed = None
-            with watch_stalls() as stalls_ms:
-                try:
-                    test(self)
-                except AssertionError as error:
-                    failed = error
-            if failed is None:
-                return
-            stall_ms = max(map(int, stalls_ms), default=0)
-            if stall_ms == 0 or (left == 0 and stall_ms < 200):
-                raise failed
-            verdict = "begins again" if left else "not judged"
-            print(f"{verdict}: this machine stalled for {stall_ms} ms")
-        self.skipTest("not judged: this machine stalled each time")
-
-    return tries
 
 
 class Conformance(unittest.TestCase):
@@ -439,6 +405,40 @@ class Conformance(unittest.TestCase):
         while 0 not in ended and len(ended) < 3:
             assert not judge_client(drive).faults
         assert 0 in ended
+
+
+class Judged(unittest.TestCase):
+    """Only a stall that was measured excuses a failure, and only a long one the last try's."""
+
+    def judge(self, *stalls_ms: int) -> tuple[int, type[Exception] | None]:
+        """How a test ends that fails on a machine that stalls so, and after how many tries."""
+        tries = 0
+        ended: type[Exception] | None = None
+
+        def fails(test: unittest.TestCase) -> None:
+            nonlocal tries
+            tries += 1
+            test.fail("a fault")
+
+        watch = contextlib.nullcontext(stalls_ms)
+        with (
+            mock.patch("judged.watch_stalls", return_value=watch),
+            contextlib.redirect_stdout(None),
+        ):
+            try:
+                judged(fails)(self)
+            except (AssertionError, unittest.SkipTest) as error:
+                ended = type(error)
+        return tries, ended
+
+    def test_a_fault_on_a_machine_that_keeps_time_is_one_at_once(self) -> None:
+        assert self.judge() == (1, AssertionError)
+
+    def test_a_fault_after_short_stalls_is_one_in_the_last_try(self) -> None:
+        assert self.judge(60, 199) == (3, AssertionError)
+
+    def test_long_stalls_judge_nothing(self) -> None:
+        assert self.judge(250) == (3, unittest.SkipTest)
 
 
 if __name__ == "__main__":
