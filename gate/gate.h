@@ -40,7 +40,7 @@ extern "C" {
 #define GATE_INCIDENT_US 5000000u
 /* A larger step against the monotonic clock means that the wall clock was set. */
 #define GATE_CLOCK_SET_US 100000
-/* A command's lease must not begin later than this after its arrival. */
+/* A loop that comes back this much later than it asked was stalled. */
 #define GATE_STALL_US 20000u
 /* The time allowed for reading a command; it is longer only on an overloaded machine. */
 #define GATE_READ_US 10000
@@ -132,8 +132,8 @@ typedef struct gate {
 /* Detects times in which this process hung; see gate_look_for_stall(). */
 typedef struct gate_stall {
     gate_time last_look;
-    int64_t began_utime; /* of the last stall ... */
-    uint64_t until_us;   /* ... and until when commands sent during it may still arrive */
+    int64_t began_utime; /* when the last stall began */
+    uint64_t until_us;   /* until when commands that were sent during it may still arrive */
 } gate_stall;
 
 /* Initialize a gate that starts now. Commands are rejected until all senders have paused, because a

@@ -53,9 +53,10 @@
  *   ROBUROC4_NO_TEXTS       default off: the client reads the robot's texts. If on, the
  *                           configuration must say where things are: iocard_id, differential_id,
  *                           and role_index of the override; without them, arm() is refused
- *                           (_NO_DIFFERENTIAL, _OVERRIDE_UNKNOWN). Moves need the bumpers', too.
- *   ROBUROC4_NO_STATISTICS  default off: the client counts what it dropped, loss and jitter. If on,
- *                           these stay 0.
+ *                           (_NO_DIFFERENTIAL, _OVERRIDE_UNKNOWN). Moves with a clearance
+ *                           also need the bumpers' role_index.
+ *   ROBUROC4_NO_STATISTICS  default off: the client counts what it sends, receives and loses, and
+ *                           measures jitter. If on, all of these stay 0.
  *   ROBUROC4_NO_FIXED_ID    default off: the client also connects to a robot that answers every
  *                           request with 0x01, as the manual prints it; none is known. If on, it
  *                           does not.
@@ -619,7 +620,7 @@ typedef struct roburoc4_private_service {
 } roburoc4_private_service;
 
 typedef struct roburoc4_private_link {
-    uint8_t back_count, resubscribed, mapped, answered;
+    uint8_t back_count, was_lost, mapped, answered;
     uint32_t floor_age_us;
     uint64_t newest_cycles, floor_us, proven_us;
     int64_t offset_us, offset_before_us;
@@ -645,7 +646,8 @@ typedef struct roburoc4_private_drive {
     uint8_t changed, lapsed, outcome, unconfirmed;
     uint8_t echo_due, in_flight;
     uint16_t service;
-    uint32_t lease_us, granted_us, sent_us, stop_us, envelope_us, heard_us;
+    uint32_t lease_us, granted_us, sent_us, stop_us, envelope_us;
+    uint32_t reached_us; /* when what last reached the robot was sent */
     int32_t disarm_cause;
     uint32_t expected_us, shown_cycles;
     float target[2], sent[2];

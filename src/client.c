@@ -18,7 +18,7 @@ static void lose(client *c) {
     roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_LOST);
     count_up(c, ROBUROC4_COUNT_LOST);
     raise_event(c, ROBUROC4_EVENT_LOST);
-    c->private_link.resubscribed = 1;
+    c->private_link.was_lost = 1;
     if (!expects_statuses(c)) { /* without statuses nothing tells whether it is the same robot */
         roburoc4_lifecycle_forget_outputs(c);
         roburoc4_discovery_clear(&c->private_discovery);

@@ -117,7 +117,7 @@ static roburoc4_result output_count(const client *c, uint32_t io_type, int32_t c
     if ((c->private_discovery.known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
         return ROBUROC4_ERR_NOT_KNOWN;
     }
-    if (c->private_link.resubscribed && expects_statuses(c)) {
+    if (c->private_link.was_lost && expects_statuses(c)) {
         return ROBUROC4_ERR_NOT_READY; /* it may have restarted: its first status tells */
     }
     /* a command carries all outputs, so a card with more than fit cannot be commanded */

@@ -428,10 +428,11 @@ static bool complete(const discovery *d, const int32_t *io_counts, uint32_t list
 bool roburoc4_discovery_next_text(const discovery *d, const requests *r, const int32_t *io_counts,
                                   text_choice choice, ask *out) {
     /* what driving depends on comes first; then the rest of the directory */
-    static const uint8_t order[TEXTS_ALL] = {
+    static const uint8_t order[] = {
         LIST_DIRECTORY,           ROBUROC4_IO_DIGITAL_INPUT,  LIST_DIRECTORY,
         ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_IO_DIGITAL_OUTPUT, ROBUROC4_IO_ANALOG_OUTPUT};
-    for (uint32_t i = 0; i < (uint32_t)choice; i++) {
+    static const uint8_t searched[] = {1, 2, sizeof order}; /* by choice */
+    for (uint32_t i = 0; i < searched[choice]; i++) {
         const uint8_t list = order[i];
         const uint32_t length = list_length(d, io_counts, list);
         const uint64_t passed = d->described[list] | d->given_up[list];

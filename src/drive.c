@@ -98,7 +98,7 @@ void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events)
     if (cause == ROBUROC4_ERR_UPLINK) {
         if (d->in_flight == IN_FLIGHT_NONE && !d->stopping) {
             /* only zeros are missing: no new sequence, but wait for a newer answer */
-            d->stop_us = d->heard_us;
+            d->stop_us = d->reached_us;
             d->zeros_sent = STOP_ZEROS;
         }
         d->in_flight = IN_FLIGHT_ALL;
@@ -182,7 +182,7 @@ roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lea
         d->changed = 1; /* until it was sent, however often it is renewed before */
     }
     if (!d->lease_active) {
-        d->heard_us = now_us; /* from now on, the robot must be heard to receive */
+        d->reached_us = now_us; /* from now on, the robot must be heard to receive */
         d->echo_due = 0;
         d->echoed[LINEAR] = 0;
         d->echoed[ANGULAR] = 0;
@@ -209,8 +209,8 @@ bool roburoc4_drive_asks(const drive *d, timer *t) {
 }
 
 void roburoc4_drive_heard(drive *d, uint32_t sent_us) {
-    if ((int32_t)(sent_us - d->heard_us) > 0) {
-        d->heard_us = sent_us;
+    if ((int32_t)(sent_us - d->reached_us) > 0) {
+        d->reached_us = sent_us;
     }
 }
 
@@ -237,7 +237,7 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
     if (d->lapsed && d->armed &&
         due(t, d->granted_us, d->lease_us + config->lapse_disarm_ms * MS)) {
         refusal = ROBUROC4_ERR_LAPSED;
-    } else if (refusal >= 0 && d->lease_active && due(t, d->heard_us, uplink_limit_us(config))) {
+    } else if (refusal >= 0 && d->lease_active && due(t, d->reached_us, uplink_limit_us(config))) {
         refusal = ROBUROC4_ERR_UPLINK;
     }
     if (refusal < 0 && d->armed) {
@@ -501,7 +501,7 @@ static void watch_echo(drive *d, const roburoc4_config *config, const float *rep
                (config->options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
         /* if it answers requests in time, it received the target, and dropped it */
         roburoc4_drive_interrupt(
-            d, now_us - d->heard_us < limit_us ? ROBUROC4_ERR_INHIBITED : ROBUROC4_ERR_UPLINK,
+            d, now_us - d->reached_us < limit_us ? ROBUROC4_ERR_INHIBITED : ROBUROC4_ERR_UPLINK,
             events);
     }
 }
@@ -510,7 +510,7 @@ static void watch_echo(drive *d, const roburoc4_config *config, const float *rep
 static void watch_following(drive *d, const roburoc4_differential_status *s, bool expected,
                             uint32_t now_us, uint32_t *events) {
     if (!expected && !d->armed && !d->inhibited && now_us - d->sent_us >= SETTLED_US) {
-        follow_pause(&d->follow, s); /* saves a client that only listens a third of its work */
+        follow_pause(&d->follow, s); /* a client that only listens does a third less work */
         return;
     }
     const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the files of the client share. Six state machines each keep their own part of
+ * What the files of the client share. Seven state machines each keep their own part of
  * roburoc4_client. Discovery gets the open requests, so that nothing is requested twice;
  * subscriptions reads what discovery and link know:
  *
@@ -158,8 +158,9 @@ void roburoc4_requests_clear(requests *r);
 void roburoc4_requests_cancel_all(requests *r, uint32_t now_us);
 /** Whether another request may be opened now with `keep` left free after it. */
 bool roburoc4_requests_has_room(const requests *r, uint32_t keep);
-/** Whether a text may be requested now. */
+/** Whether a request for a text is open. */
 bool roburoc4_requests_text_open(const requests *r);
+/** Whether a text may be requested now. */
 bool roburoc4_requests_has_room_for_text(const requests *r);
 bool roburoc4_requests_is_open(const requests *r, const ask *a);
 /** Open a request; false if it is open already or there is no room. */
@@ -294,7 +295,7 @@ void roburoc4_follow_sent(follow *f, const float *targets);
 bool roburoc4_follow_status(follow *f, const float *targets,
                             const roburoc4_differential_status *status);
 
-/** Bits of battery_low: judged is one whose minimum is known. */
+/** Bits of battery_low; JUDGED: the minimum is known. */
 enum {
     BATTERY_CRITICAL = 1,
     BATTERY_BELOW_MINIMUM = 2,
@@ -354,13 +355,8 @@ bool roburoc4_discovery_believe(discovery *d, const int32_t *io_counts);
 void roburoc4_discovery_text_given_up(discovery *d, uint32_t list, uint32_t index);
 
 #define TEXT_TRIES 10 /* given up after 7.5 s (at the default first_retry_ms) */
-/** Texts to request: of services that nothing else identifies; also of digital inputs; all. The
- * value is how many lists are searched, in the order of roburoc4_discovery_next_text(). */
-typedef enum text_choice {
-    TEXTS_OF_SERVICES = 1,
-    TEXTS_THAT_DECIDE = 2,
-    TEXTS_ALL = 6
-} text_choice;
+/** Texts to request: of services that nothing else identifies; also of digital inputs; all. */
+typedef enum text_choice { TEXTS_OF_SERVICES, TEXTS_THAT_DECIDE, TEXTS_ALL } text_choice;
 /** The next text to request; false if all that remain are open. */
 bool roburoc4_discovery_next_text(const discovery *d, const requests *r, const int32_t *io_counts,
                                   text_choice choice, ask *out);

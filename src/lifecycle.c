@@ -93,7 +93,7 @@ void roburoc4_lifecycle_reboot(client *c) {
     count_up(c, ROBUROC4_COUNT_REBOOTS);
     raise_event(c, ROBUROC4_EVENT_REBOOT);
     c->private_link.newest_cycles = 0;
-    c->private_link.resubscribed = 0; /* nothing is known of before */
+    c->private_link.was_lost = 0; /* nothing is known of before */
     roburoc4_link_forget_times(&c->private_link, c->private_timer.now_us);
     roburoc4_lifecycle_forget_outputs(c); /* the robot switched its outputs off */
     roburoc4_discovery_clear(&c->private_discovery);
@@ -109,7 +109,7 @@ static const uint16_t stamps[] = {
     AT(drive.sent_us),
     AT(drive.stop_us),
     AT(drive.envelope_us),
-    AT(drive.heard_us),
+    AT(drive.reached_us),
     AT(drive.expected_us),
     AT(link.offset_since_us),
     AT(link.last_used_us),

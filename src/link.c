@@ -113,7 +113,7 @@ static int32_t late_by(const roburoc4_private_link *l, uint64_t transit) {
 static bool restarted(roburoc4_private_link *l, const service *s, uint64_t robot_cycles,
                       uint64_t now_us) {
     const bool renewed = s->renewed && now_us - s->received_us >= SECOND;
-    if (l->resubscribed) {
+    if (l->was_lost) {
         return true;
     }
     if (renewed && s->seen != 0 && robot_cycles < s->robot_cycles) {
@@ -371,7 +371,7 @@ static uint32_t early_by(const roburoc4_private_link *l, int32_t late_us, uint64
     return (uint32_t)-late_us > drifted ? (uint32_t)-late_us - drifted : 0;
 }
 
-/** Whether a status is from later than is possible: from a robot that restarted, or another one. In
+/** Whether a status is from later than is possible: of a robot that restarted, or another one. In
  * many small steps, too, delays can shrink only by what they were when the floor's age was proven.
  */
 static bool ahead_of_time(const roburoc4_private_link *l, uint32_t early_us, bool gap) {
@@ -391,12 +391,12 @@ static bool clock_was_set(roburoc4_private_link *l, int32_t late_us, uint64_t no
     if (!l->mapped || not_negative(late_us) <= drifted_us(l, now_us) + CLOCK_TOLERANCE_US) {
         return false;
     }
-    return l->resubscribed || (l->answered && (uint32_t)now_us - l->asked_us < CLOCK_TOLERANCE_US &&
-                               contradicted_for(l, CONTRADICTION_US, (uint32_t)now_us));
+    return l->was_lost || (l->answered && (uint32_t)now_us - l->asked_us < CLOCK_TOLERANCE_US &&
+                           contradicted_for(l, CONTRADICTION_US, (uint32_t)now_us));
 }
 
 static bool was_silent(const roburoc4_private_link *l, uint64_t now_us) {
-    return l->resubscribed || (uint32_t)now_us - l->heard_us >= RESTART_US;
+    return l->was_lost || (uint32_t)now_us - l->heard_us >= RESTART_US;
 }
 
 /** Whether a status may be from another start of the robot than what was read before, though its
@@ -404,7 +404,7 @@ static bool was_silent(const roburoc4_private_link *l, uint64_t now_us) {
  * jumped in a silence, so that nothing tells which time the robot should show. */
 static bool clock_is_lost(const roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {
     if (l->mapped || l->newest_cycles == 0) {
-        return !l->mapped && l->resubscribed;
+        return !l->mapped && l->was_lost;
     }
     return was_silent(l, now_us) || robot_cycles > l->newest_cycles + BACK_CYCLES;
 }
@@ -464,7 +464,7 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
     const uint64_t transit = transit_of(robot_cycles, now_us);
     const bool newest = robot_cycles >= l->newest_cycles, first = s->seen == 0;
     int32_t late_us = (int32_t)(transit - l->floor_us); /* if it is on time */
-    if (!newest || !l->mapped || l->resubscribed || transit - l->floor_us >= CLOCK_TOLERANCE_US) {
+    if (!newest || !l->mapped || l->was_lost || transit - l->floor_us >= CLOCK_TOLERANCE_US) {
         late_us = late_by(l, transit);
         const verdict verdict = judge_time(l, s, robot_cycles, late_us, now_us);
         if (verdict != VERDICT_NEW) {
@@ -496,7 +496,7 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
     s->fresh = 1;
     s->renewed = 0;
     l->heard_us = (uint32_t)now_us;
-    l->resubscribed = 0;
+    l->was_lost = 0;
     return VERDICT_NEW;
 }
 

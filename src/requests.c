@@ -17,11 +17,11 @@
 #define QUIET_US (700 * MS)
 /* In fixed-id mode they wait after each answer for twice the slowest recent one, at least this. */
 #define SHORTEST_QUIET_US (250 * MS)
-/* Where texts come twice, this is the slowest one at least. */
+/* Once a text has come twice, answers count as at least this slow. */
 #define COPY_MS (QUIET_US / MS / 2)
 /* After several tries they wait as long as the answer took, but no longer than this. */
 #define LONGEST_QUIET_US (5 * SECOND)
-/* If answers do not name their request, a text is repeated only this much later. */
+/* If answers do not name their request, a text is repeated after this many of the usual waits. */
 #define PATIENCE 5
 /* A request is repeated after four of the shortest round trip, but not earlier than this. */
 #define SHORTEST_RETRY_US (20 * MS)

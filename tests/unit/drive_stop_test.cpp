@@ -207,7 +207,7 @@ TEST(StopSequence, IsNotEndedByTheConfirmationOfTheOneBefore) {
     bench.run(second);
     expect_outcome(bench, ROBUROC4_STOP_CONFIRMED);
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
-    bench.robot.follows = false; /* its target stays */
+    bench.robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
     const std::uint64_t start_us = bench.now_us;
     bench.pause();
     bench.take_events();

@@ -28,7 +28,7 @@ typedef enum subject {
 /** What another argument is, and where the call has it. */
 typedef enum argument_kind {
     TAKE_RANGE,    /* numbers: finite */
-    TAKE_SPEED,    /* likewise, and not logical: nobody means 1 m/s by true */
+    TAKE_SPEED,    /* likewise; true and false are refused */
     TAKE_WHOLE,    /* numbers: whole; with 0 to 1, also a logical */
     TAKE_NUMBER,   /* numbers: finite or not */
     TAKE_TEXT,     /* texts */

@@ -391,3 +391,10 @@ TEST(LcmCommands, MovesAreReadCompletelyOrNotAtAll) {
     longer = bytes();
     EXPECT_FALSE(command_decode_move(longer.data(), longer.size(), &c));
 }
+
+/** Beyond every ceiling it stays, so that it is refused, and never changes its direction. */
+TEST(LcmCommands, AHugeSpeedKeepsItsDirection) {
+    EXPECT_EQ(1e6F, command_speed(1e300));
+    EXPECT_EQ(-1e6F, command_speed(-1e300));
+    EXPECT_EQ(-0.25F, command_speed(-0.25));
+}
