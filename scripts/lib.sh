@@ -207,7 +207,7 @@ run_ctest() {
 run_pytest() {
     pytest_python=$1
     shift
-    heeding env CI=true "$pytest_python" -m pytest -q -p no:cacheprovider -o faulthandler_timeout=120 \
+    heeding env CI=true "$pytest_python" -m pytest -q -p no:cacheprovider \
         --timeout "$longest_test_s" --timeout-method thread --reruns 2 --reruns-delay 2 \
         --only-rerun MachineTooBusyError "$@"
 }
