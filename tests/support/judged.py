@@ -57,6 +57,6 @@ def judged(test: Callable[[Any], None]) -> Callable[[Any], None]:
             verdict = "begins again" if left else "not judged"
             print(f"{verdict}: this machine stalled for {stall_ms} ms; {failed!r}")
             self.doCleanups()
-        self.skipTest(f"not judged: this machine stalled for {stall_ms} ms")
+        self.skipTest(f"this machine stalled for {stall_ms} ms")
 
     return tries
