@@ -50,7 +50,6 @@ start() {
 
 # ended WANTED STATUS: of a program.
 ended() {
-    cat said
     [ "$2" -eq "$1" ] || {
         echo "exit status $2, not $1"
         exit 1

@@ -40,6 +40,7 @@ def test_an_exception_stops_the_robot(served: Simulator) -> None:
         driven(served)
         _ = 1 / 0
     assert served.state.last_linear_m_s == 0
+    assert not served.state.watchdog_tripped
     assert served.state.nonzero_speed_commands < MOST_SPEEDS
 
 
