@@ -40,10 +40,9 @@
  *   Size        structs that begin with `size` can grow. A program that was compiled with an older
  *               header gets the fields that it knows; ROBUROC4_SIZED() sets the size.
  *   NULL        a pointer must be valid unless its comment says that it may be NULL.
- *   Cost        receive() of a status takes at most 420 instructions on x86-64, of a differential
- *               one 360, poll_transmit() 50 if nothing is due, drive() that renews 450, facts() 950
- *               (bench/client-cost). No heap, no recursion, at most 400 bytes of stack on a
- *               Cortex-M0 (bench/footprint).
+ *   Cost        no heap, no recursion, at most 400 bytes of stack on a Cortex-M0
+ *               (bench/footprint). The calls of a loop say how many instructions they take on
+ *               x86-64 (bench/client-cost), and what bounds their longest loop.
  *
  * OPTIONS OF A BUILD
  *
@@ -294,14 +293,16 @@ ROBUROC4_API roburoc4_result roburoc4_client_close(roburoc4_client *client, uint
 /** Process a datagram from the robot. The caller ensures that it comes from the robot (connect the
  *  socket). Returns 0 or more if it was used; ROBUROC4_ERR_SHORT, _KIND, _VALUE, _UNMATCHED,
  *  _UNEXPECTED_STATUS or _OLD if it was dropped and counted. A dropped datagram changes no value.
- * It can still reveal a restart, or end a request. */
+ * It can still reveal a restart, or end a request.
+ * Cost: at most 420 instructions for a status; no loop longer than the list that it carries. */
 ROBUROC4_API roburoc4_result roburoc4_client_receive(roburoc4_client *client,
                                                      const uint8_t *datagram, size_t size,
                                                      uint64_t now_us);
 /** The next datagram to send: its length, or 0 if nothing is due. Call it until it returns 0, after
  *  every receive(), after every call that changes something, and at the deadline. Read the clock
  *  right before and send at once; drop what the network does not accept. A buffer of
- *  ROBUROC4_MAX_TRANSMIT bytes always suffices; ROBUROC4_ERR_BUFFER sends nothing. */
+ *  ROBUROC4_MAX_TRANSMIT bytes always suffices; ROBUROC4_ERR_BUFFER sends nothing.
+ * Cost: 50 instructions if nothing is due; no loop longer than the robot's inputs. */
 ROBUROC4_API roburoc4_result roburoc4_client_poll_transmit(roburoc4_client *client, uint8_t *buffer,
                                                            size_t capacity, uint64_t now_us);
 /** When to call poll_transmit() again if nothing happens before, on the clock of now_us; UINT64_MAX
@@ -356,7 +357,8 @@ ROBUROC4_API int32_t roburoc4_refusal_may_pass(roburoc4_result refusal);
  *  The speeds are scaled, then reduced together if ROBUROC4_OPTION_KEEP_CURVATURE is set, then
  *  clamped to the robot's limits and the ceilings, which bound them before scaling, too.
  * ROBUROC4_ERR_NOT_FINITE, _UNITS (more than ROBUROC4_MAX_DRIVE_M_S or _RAD_S), _ARGUMENT (lease),
- * or why the client is not armed; then nothing changes. */
+ * or why the client is not armed; then nothing changes.
+ * Cost: at most 450 instructions; no loop longer than the two axes. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_client *client,
                                                                        float linear_m_s,
                                                                        float angular_rad_s,
@@ -417,7 +419,8 @@ typedef struct roburoc4_facts {
 } roburoc4_facts;
 /** Ages, `driving`, `lapsed` and `lease_left_us` are computed for now_us. The rest, such as
  * `armed`, is as of the last poll_transmit(), arm() or drive(): after a hang, poll first.
- * ROBUROC4_ERR_SIZE for a size that the library does not know. */
+ * ROBUROC4_ERR_SIZE for a size that the library does not know.
+ * Cost: at most 950 instructions; no loop longer than the services. */
 ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client, uint64_t now_us,
                                                    roburoc4_facts *out);
 

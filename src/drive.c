@@ -544,39 +544,41 @@ static void watch_stop(drive *d, bool zero, bool released, const roburoc4_privat
     }
 }
 
-/** What the reported targets mean for the lease, or the time after it. */
-static void watch_targets(drive *d, const roburoc4_config *config, const float *reported, bool zero,
-                          bool ours, const roburoc4_private_link *l, uint32_t now_us,
-                          uint32_t *events) {
-    const uint32_t index = STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL);
-    if (d->lease_active) {
-        watch_echo(d, config, reported, ours, now_us, events);
-    } else if (!zero && ours && has_driven(d)) { /* a speed of ours came late, or came back */
-        d->unconfirmed = 1;
-        fly_at_least(d, IN_FLIGHT_EARLIER);
-        if (roburoc4_link_age_at_arrival(l, index) < WATCHED_US) {
-            stop_again(d);
-        }
+/** Whether the robot has a target to follow, of ours or of another commander. */
+static bool has_target(const drive *d, const float *reported, bool zero) {
+    return d->lease_active ||
+           (!zero && is_finite(reported[LINEAR]) && is_finite(reported[ANGULAR]));
+}
+
+/** A speed of ours came late, or came back, although nobody drives. */
+static void target_returned(drive *d, const roburoc4_private_link *l) {
+    d->unconfirmed = 1;
+    fly_at_least(d, IN_FLIGHT_EARLIER);
+    if (roburoc4_link_age_at_arrival(l, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL)) < WATCHED_US) {
+        stop_again(d);
     }
 }
 
-void roburoc4_drive_status(drive *d, const roburoc4_config *config,
-                           const roburoc4_differential_status *s, pad_state pad,
-                           const roburoc4_private_link *l, uint32_t now_us, uint32_t *events) {
+uint32_t roburoc4_drive_status(drive *d, const roburoc4_config *config,
+                               const roburoc4_differential_status *s, pad_state pad,
+                               const roburoc4_private_link *l, uint32_t now_us) {
+    uint32_t events = 0;
     const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
     const bool zero = nearly_zero(reported[LINEAR]) && nearly_zero(reported[ANGULAR]);
     age_envelope(d, config->robot_watchdog_ms * MS, now_us);
     const bool ours =
         zero || (is_ours(d, LINEAR, reported[LINEAR]) && is_ours(d, ANGULAR, reported[ANGULAR]));
-    watch_other_commander(d, config, ours || pad == PAD_HELD, events);
-    if (d->stopping && pad != PAD_HELD) {
-        watch_stop(d, zero, pad == PAD_RELEASED, l, now_us);
-    } else if (pad != PAD_HELD) {
-        watch_targets(d, config, reported, zero, ours, l, now_us, events);
+    watch_other_commander(d, config, ours || pad == PAD_HELD, &events);
+    if (pad != PAD_HELD) {
+        if (d->stopping) {
+            watch_stop(d, zero, pad == PAD_RELEASED, l, now_us);
+        } else if (d->lease_active) {
+            watch_echo(d, config, reported, ours, now_us, &events);
+        } else if (!zero && ours && has_driven(d)) {
+            target_returned(d, l);
+        }
     }
-    /* it has a target to follow, of ours or of another commander */
-    const bool expected =
-        pad != PAD_HELD &&
-        (d->lease_active || (!zero && is_finite(reported[LINEAR]) && is_finite(reported[ANGULAR])));
-    watch_following(d, s, expected, now_us, events);
+    const bool expected = pad != PAD_HELD && has_target(d, reported, zero);
+    watch_following(d, s, expected, now_us, &events);
+    return events;
 }

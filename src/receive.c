@@ -282,8 +282,8 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     const pad_state pad = c->private_conditions.overridden ? PAD_HELD
                           : pad_is_released(c)             ? PAD_RELEASED
                                                            : PAD_NOT_SEEN;
-    roburoc4_drive_status(d, &c->private_config, &v->differential, pad, &c->private_link,
-                          c->private_timer.now_us, &c->private_events);
+    c->private_events |= roburoc4_drive_status(d, &c->private_config, &v->differential, pad,
+                                               &c->private_link, c->private_timer.now_us);
     if (d->stopping || d->armed != armed) {
         wake(c);
     }
@@ -435,7 +435,7 @@ static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data
         roburoc4_subscriptions_accepted(&c->private_subscriptions, s->ask.kind);
         break;
     case ROBUROC4_ACTION_DELETE:
-        c->private_subscriptions.leaving &= (uint8_t)~service_bit(s->ask.kind);
+        roburoc4_subscriptions_left(&c->private_subscriptions, s->ask.kind);
         break;
     default: /* REPLACE */
         roburoc4_schedule_pose_taken(c, s);

@@ -80,7 +80,7 @@ static bool open_text(client *c, text_choice choice) {
 static void ask_declined_again(client *c) {
     subscriptions *s = &c->private_subscriptions;
     if (!c->private_requests.single_texts || due(&c->private_timer, s->refused_us, DECLINED_US)) {
-        s->declined = 0;
+        roburoc4_subscriptions_ask_declined(s);
     }
 }
 
@@ -166,7 +166,7 @@ void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
                                        c->private_timer.now_us);
         break;
     case ROBUROC4_ACTION_DELETE:
-        c->private_subscriptions.leaving &= (uint8_t)~service_bit(s->ask.kind);
+        roburoc4_subscriptions_left(&c->private_subscriptions, s->ask.kind);
         break;
     default: /* REPLACE */
         roburoc4_lifecycle_relocalize_ends(c, why);
@@ -282,7 +282,7 @@ static void advance_subscribing(client *c) {
         c->private_schedule.probe_us = c->private_timer.now_us;
         roburoc4_lifecycle_enter(c, ROBUROC4_STATE_READY);
     } else if (due(&c->private_timer, c->private_subscriptions.refused_us, SECOND)) {
-        c->private_subscriptions.declined = 0; /* not ready: there is no data */
+        roburoc4_subscriptions_ask_declined(&c->private_subscriptions); /* not ready: no data */
         open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, PROBE_TRIES);
     }
 }

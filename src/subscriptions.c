@@ -68,6 +68,14 @@ void roburoc4_subscriptions_leave(subscriptions *s, uint32_t service) {
     s->inserted &= (uint8_t)~service_bit(service);
 }
 
+void roburoc4_subscriptions_left(subscriptions *s, uint32_t service) {
+    s->leaving &= (uint8_t)~service_bit(service);
+}
+
+void roburoc4_subscriptions_ask_declined(subscriptions *s) {
+    s->declined = 0;
+}
+
 void roburoc4_subscriptions_renew_silent(subscriptions *s, const roburoc4_config *config,
                                          const roburoc4_private_link *l, uint64_t now_us,
                                          timer *t) {

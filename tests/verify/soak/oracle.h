@@ -171,6 +171,8 @@ class Oracle {
         bool off = false, counted = false;
         std::uint64_t since_us = 0; /* and the target is the same since then */
         float target = 0;
+        std::uint64_t still_since_us = 0;
+        int still = 0; /* statuses */
     };
     /** An axis that went along with its target, and then against it. */
     struct Swing {

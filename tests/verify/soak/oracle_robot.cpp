@@ -14,7 +14,7 @@ namespace {
 /* A client can judge a status's age only by round trips and by the pauses between statuses. */
 constexpr std::uint64_t sure_after_us = 300000;
 constexpr std::uint64_t watched_us = 1900000; /* beyond 2 s, it does not answer with zeros */
-constexpr std::uint64_t uplink_us = 800000;   /* half a second, and the time to notice it */
+constexpr std::uint64_t uplink_us = 650000;   /* half a second, and the time to notice it */
 constexpr std::uint64_t well_after_us = 12000000;
 constexpr std::uint64_t standing_us = 1000000;
 /* Until then the ages may seem too high, where this clock jumped by more than one pause shows. */
@@ -34,7 +34,15 @@ bool searching(const Report &report) {
     return report.state == ROBUROC4_STATE_CONNECTING || report.state == ROBUROC4_STATE_DISCOVERING;
 }
 
-/* "About two seconds", and longer for small targets; UINT64_MAX where it need not be noticed. */
+/* A robot that stands is noticed within a second once its average is at rest, too; where statuses
+ * are rare, each counts for 0.3 s at most. */
+constexpr std::uint64_t still_us = 2500000;
+constexpr int still_statuses = 8;
+constexpr float clear_target = 0.4F;
+constexpr float no_motion = 0.005F;
+
+/* Up to eight seconds (SAFETY.md), and longer for small targets; UINT64_MAX where it need not be
+ * noticed. */
 std::uint64_t follow_us(float size) {
     return size >= 0.2F ? 8000000 : size >= 0.05F ? 10000000 : UINT64_MAX;
 }
@@ -261,10 +269,17 @@ void Oracle::watch_axis(Moment now, const Datagram &datagram, Axis &axis, float 
     const bool off = watched && (slow || fast);
     const bool same = std::fabs(target - axis.target) <= 0.1F * size;
     if (!off || !axis.off || !same) {
-        axis = {off, false, now.true_us, target};
+        axis = {off, false, now.true_us, target, now.true_us, 0};
         return;
     }
     const std::uint64_t since = now.true_us - axis.since_us;
+    if (!(std::fabs(current) <= no_motion)) {
+        axis.still_since_us = now.true_us;
+        axis.still = 0;
+    } else if (++axis.still >= still_statuses && size >= clear_target &&
+               now.true_us - axis.still_since_us >= still_us) {
+        disarm(now, Promise::follows_or_disarmed);
+    }
     if (since >= 500000 && !axis.counted) {
         axis.counted = true;
         reach(std::isnan(current) ? Reached::not_a_number
@@ -518,7 +533,7 @@ void Oracle::judge_disarming(Moment now, const Report &report) {
             return; /* only a good network shows a jump of either clock, however long ago */
         break;
     case ROBUROC4_ERR_INHIBITED:
-        if (now.true_us - std::max(v_swing_.against_us, w_swing_.against_us) < 2000000)
+        if (now.true_us - std::max(v_swing_.against_us, w_swing_.against_us) < 1500000)
             return; /* it moves the wrong way, which SAFETY says disarms, though it is healthy */
         break;
     case ROBUROC4_ERR_UPLINK:
