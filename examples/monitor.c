@@ -271,11 +271,8 @@ int main(int argc, char **argv) {
     roburoc4_pump *pump =
         result == 0 ? roburoc4_pump_create(&address, NULL, 0, NULL, &result) : NULL;
     if (pump == NULL) {
-        fprintf(stderr,
-                "monitor: '%s': %s; give the robot's name or address, and :PORT (1 to 65535) "
-                "if it is not %d\n",
-                host, roburoc4_result_text(result), ROBUROC4_DEFAULT_PORT);
-        return result == ROBUROC4_ERR_ARGUMENT ? EXIT_USAGE : EXIT_ABSENT;
+        fprintf(stderr, "monitor: %s: %s\n", host, roburoc4_result_text(result));
+        return result == ROBUROC4_ERR_ADDRESS ? EXIT_USAGE : EXIT_ABSENT;
     }
     signal(SIGINT, on_signal);
     signal(SIGTERM, on_signal);

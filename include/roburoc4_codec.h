@@ -93,6 +93,7 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_RESOLVE (-41) /* a host name has no address */
 #define ROBUROC4_ERR_CLOSED (-42)  /* already closed, or made before a fork() */
 #define ROBUROC4_ERR_BUSY (-43)    /* another thread drives a move with this pump */
+#define ROBUROC4_ERR_ADDRESS (-44) /* not HOST or HOST:PORT, such as 192.168.0.2:60000 */
 
 /** One English sentence for a result, without a full stop: the cause, and often after a colon what
  *  to do. "ok" for 0 and more, "unknown error" for an invalid value. Valid as long as the program

@@ -72,8 +72,8 @@ typedef struct roburoc4_pump roburoc4_pump;
 /** Open a socket to `address`, start a client with `config` (NULL: all defaults) and the thread,
  *  which connects by itself. queue_capacity is the number of samples to keep (0: the default). The
  *  recorder (or NULL) gets every datagram; close it after the pump is destroyed. Returns NULL on an
- *  error; *result (result may be NULL) then says which: ROBUROC4_ERR_ARGUMENT (address or
- *  capacity), ROBUROC4_ERR_CONFIG (roburoc4_config_error() names the value), ROBUROC4_ERR_SYSTEM
+ *  error; *result (result may be NULL) then says which: ROBUROC4_ERR_ADDRESS, ROBUROC4_ERR_ARGUMENT
+ *  (capacity), ROBUROC4_ERR_CONFIG (roburoc4_config_error() names the value), ROBUROC4_ERR_SYSTEM
  *  (no socket, thread or memory; errno says why). An absent robot is not an error. Free the pump
  *  with roburoc4_pump_destroy(). A NULL address makes a pump without socket, thread or
  *  recording, for virtual time (roburoc4_sim.h): start the client and give it its datagrams with

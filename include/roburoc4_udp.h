@@ -68,12 +68,12 @@ typedef struct roburoc4_address {
  *  an address; a name with IPv4 and IPv6 addresses resolves to IPv4, as the robot has that.
  *  default_port (0: ROBUROC4_DEFAULT_PORT) is used if the text has no port. THIS CALL BLOCKS for
  *  names (for seconds, with a slow name server), never for addresses: call it once, before driving.
- *  ROBUROC4_ERR_ARGUMENT: the text has none of these forms, or its port is not 1 to 65535.
+ *  ROBUROC4_ERR_ADDRESS: the text has none of these forms, or its port is not 1 to 65535.
  *  ROBUROC4_ERR_RESOLVE: the name has no address. *out is then not written. Any thread. */
 ROBUROC4_API roburoc4_result roburoc4_udp_resolve(const char *host, uint16_t default_port,
                                                   roburoc4_address *out);
 /** The address as NUL-terminated text, "192.168.0.2:60000" or "[fe80::1%2]:60000". Returns its
- *  length, or ROBUROC4_ERR_BUFFER, or ROBUROC4_ERR_ARGUMENT for an address of neither family. */
+ *  length, or ROBUROC4_ERR_BUFFER, or ROBUROC4_ERR_ADDRESS for an address of neither family. */
 ROBUROC4_API roburoc4_result roburoc4_udp_address_text(const roburoc4_address *address,
                                                        char *buffer, size_t capacity);
 
@@ -138,7 +138,7 @@ typedef struct roburoc4_udp {
 /** Open a non-blocking socket that is connected to `address`. udp_size is sizeof(roburoc4_udp).
  *  An unreachable network is not an error: the field fault says why, and later calls connect again,
  *  at most once a second. The socket is not inherited by child programs. ROBUROC4_ERR_SIZE: header
- *  and library differ. ROBUROC4_ERR_ARGUMENT: not an address of roburoc4_udp_resolve().
+ *  and library differ. ROBUROC4_ERR_ADDRESS: not an address of roburoc4_udp_resolve().
  *  ROBUROC4_ERR_SYSTEM: no socket; the field system_error says why. After any other error than
  *  _SIZE the socket counts as closed. */
 ROBUROC4_API roburoc4_result roburoc4_udp_open(roburoc4_udp *udp, size_t udp_size,

@@ -904,7 +904,7 @@ static enum options_result resolve(options *out, uint32_t at, char *error, size_
                        robot->name, robot->host, doubled->name);
         return OPTIONS_BAD;
     }
-    bool bad = result == ROBUROC4_ERR_ARGUMENT;
+    bool bad = result == ROBUROC4_ERR_ADDRESS;
     memset(&robot->address, 0, sizeof robot->address);
     (void)snprintf(error, error_size, "robot %s: %s", robot->host,
                    bad ? "give HOST or HOST:PORT, with a port of 1 to 65535"

@@ -65,7 +65,8 @@ static const char adapter[] =
     "the operating system refused\0"
     "host name has no address: check the spelling, or give the address in numbers\0"
     "already closed, or made before a fork: connect again\0"
-    "another thread drives a move with this pump: wait for its end, or stop it";
+    "another thread drives a move with this pump: wait for its end, or stop it\0"
+    "not an address: give HOST or HOST:PORT, such as 192.168.0.2:60000";
 
 const char *roburoc4_result_text(roburoc4_result result) {
     const char *text = NULL;
@@ -78,7 +79,7 @@ const char *roburoc4_result_text(roburoc4_result result) {
     } else if (code < 40) {
         text = nth(motion, 19, code - 20);
     } else {
-        text = nth(adapter, 4, code - 40);
+        text = nth(adapter, 5, code - 40);
     }
     return text != NULL ? text : "unknown error";
 }

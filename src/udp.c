@@ -43,7 +43,7 @@ static roburoc4_result split(const char *text, const char **host, size_t *length
     if (text[0] == '[') {
         end = strchr(text, ']');
         if (end == NULL || first == NULL || first > end || (end[1] != '\0' && end[1] != ':')) {
-            return ROBUROC4_ERR_ARGUMENT;
+            return ROBUROC4_ERR_ADDRESS;
         }
         *host = text + 1;
         *length = (size_t)(end - *host);
@@ -65,13 +65,13 @@ roburoc4_result roburoc4_udp_resolve(const char *host, uint16_t default_port,
     uint16_t port = default_port != 0 ? default_port : ROBUROC4_DEFAULT_PORT;
     if (host == NULL || out == NULL || !is_printable(host) ||
         split(host, &start, &length, &port_text) < 0 || length == 0 || length >= sizeof name) {
-        return ROBUROC4_ERR_ARGUMENT;
+        return ROBUROC4_ERR_ADDRESS;
     }
     if (port_text != NULL) {
         port = parse_port(port_text);
     }
     if (port == 0) {
-        return ROBUROC4_ERR_ARGUMENT;
+        return ROBUROC4_ERR_ADDRESS;
     }
     memcpy(name, start, length);
     name[length] = '\0';
@@ -84,7 +84,7 @@ roburoc4_result roburoc4_udp_address_text(const roburoc4_address *address, char 
     int length;
     if ((address->family != 4 && address->family != 6) ||
         !roburoc4_os_ip_text(address, ip, sizeof ip)) {
-        return ROBUROC4_ERR_ARGUMENT;
+        return ROBUROC4_ERR_ADDRESS;
     }
     if (address->family == 4) {
         length = snprintf(buffer, capacity, "%s:%u", ip, (unsigned)address->port);
@@ -217,7 +217,7 @@ roburoc4_result roburoc4_udp_open_from(roburoc4_udp *udp, size_t udp_size,
     udp->private_socket = ROBUROC4_OS_NO_SOCKET;
     if (!is_usable(&robot) || robot.port == 0 ||
         (local != NULL && (own.family != robot.family || !is_usable(&own)))) {
-        return ROBUROC4_ERR_ARGUMENT;
+        return ROBUROC4_ERR_ADDRESS;
     }
     udp->address = robot;
     outcome = open_socket(udp, local != NULL ? &own : NULL);

@@ -226,6 +226,7 @@ const struct {
     {ROBUROC4_ERR_CLOSED, "already closed, or made before a fork: connect again"},
     {ROBUROC4_ERR_BUSY,
      "another thread drives a move with this pump: wait for its end, or stop it"},
+    {ROBUROC4_ERR_ADDRESS, "not an address: give HOST or HOST:PORT, such as 192.168.0.2:60000"},
 };
 
 TEST(ResultText, IsAnOwnSentenceForEachCode) {

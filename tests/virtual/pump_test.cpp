@@ -1041,7 +1041,7 @@ TEST_F(Pump, RefusesInvalidArguments) {
     roburoc4_address address{};
     roburoc4_result result = 0;
     EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, nullptr, &result), nullptr);
-    EXPECT_EQ(result, ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(result, ROBUROC4_ERR_ADDRESS);
     for (const uint32_t limit :
          {uint32_t{ROBUROC4_PUMP_QUEUE_MIN}, uint32_t{ROBUROC4_PUMP_QUEUE_MAX}}) {
         roburoc4_pump_destroy(roburoc4_pump_create(nullptr, nullptr, limit, nullptr, &result));

@@ -113,7 +113,7 @@ TEST_F(Faults, ALinkLocalAddressOfItsOwnNeedsAZone) {
     address_.ip[0] = 0x20;
     local.ip[0] = 0xFE;
     local.ip[1] = 0x80;
-    EXPECT_EQ(roburoc4_udp_open_from(&udp_, sizeof udp_, &address_, &local), ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_udp_open_from(&udp_, sizeof udp_, &address_, &local), ROBUROC4_ERR_ADDRESS);
     local.scope = 2;
     EXPECT_EQ(roburoc4_udp_open_from(&udp_, sizeof udp_, &address_, &local), ROBUROC4_OK);
     roburoc4_udp_close(&udp_);
@@ -122,7 +122,7 @@ TEST_F(Faults, ALinkLocalAddressOfItsOwnNeedsAZone) {
     EXPECT_EQ(roburoc4_udp_open_from(&udp_, sizeof udp_, &address_, &local), ROBUROC4_OK);
     roburoc4_udp_close(&udp_);
     local.family = 4;
-    EXPECT_EQ(roburoc4_udp_open_from(&udp_, sizeof udp_, &address_, &local), ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_udp_open_from(&udp_, sizeof udp_, &address_, &local), ROBUROC4_ERR_ADDRESS);
 }
 
 TEST_F(Faults, WhatWasNeverOpenedHasNoDescriptor) {
@@ -386,7 +386,7 @@ TEST(Resolve, HasThePortOfTheTextElseTheDefault) {
                                      {"robot:00080", 80}}) {
         roburoc4_address address{};
         EXPECT_EQ(roburoc4_udp_resolve(text, 1, &address),
-                  port != 0 ? ROBUROC4_OK : ROBUROC4_ERR_ARGUMENT)
+                  port != 0 ? ROBUROC4_OK : ROBUROC4_ERR_ADDRESS)
             << text;
         EXPECT_EQ(address.port, port) << text;
     }
@@ -394,7 +394,7 @@ TEST(Resolve, HasThePortOfTheTextElseTheDefault) {
     EXPECT_EQ(roburoc4_udp_resolve("robot", 0, &address), ROBUROC4_OK);
     EXPECT_EQ(address.port, ROBUROC4_DEFAULT_PORT);
     EXPECT_EQ(roburoc4_udp_resolve("nobody", 0, &address), ROBUROC4_ERR_RESOLVE);
-    EXPECT_EQ(roburoc4_udp_resolve("robot", 0, nullptr), ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_udp_resolve("robot", 0, nullptr), ROBUROC4_ERR_ADDRESS);
 }
 
 TEST(Resolve, RefusesTextsThatAreNotAddresses) {
@@ -402,13 +402,13 @@ TEST(Resolve, RefusesTextsThatAreNotAddresses) {
                              "host:6x", "[]", "[::1", "[::1]60000", "[::1]:", "[::1]:0", "[host]:1",
                              "a b", " 1.2.3.4", "1.2.3.4\n", "a\x7f"}) {
         roburoc4_address address{};
-        EXPECT_EQ(roburoc4_udp_resolve(text, 1, &address), ROBUROC4_ERR_ARGUMENT) << text;
+        EXPECT_EQ(roburoc4_udp_resolve(text, 1, &address), ROBUROC4_ERR_ADDRESS) << text;
         EXPECT_EQ(address.family, 0) << text;
     }
     roburoc4_address address{};
-    EXPECT_EQ(roburoc4_udp_resolve(nullptr, 1, &address), ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_udp_resolve(nullptr, 1, &address), ROBUROC4_ERR_ADDRESS);
     EXPECT_EQ(roburoc4_udp_resolve(std::string(256, 'a').c_str(), 1, &address),
-              ROBUROC4_ERR_ARGUMENT);
+              ROBUROC4_ERR_ADDRESS);
 }
 
 TEST(AddressText, NeedsRoomForItsNul) {
@@ -418,7 +418,7 @@ TEST(AddressText, NeedsRoomForItsNul) {
     EXPECT_EQ(roburoc4_udp_address_text(&address, text, 13), 12);
     EXPECT_EQ(roburoc4_udp_address_text(&address, text, 12), ROBUROC4_ERR_BUFFER);
     address.family = 5;
-    EXPECT_EQ(roburoc4_udp_address_text(&address, text, sizeof text), ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_udp_address_text(&address, text, sizeof text), ROBUROC4_ERR_ADDRESS);
     address.family = 6;
     address.ip[15] = 9;
     EXPECT_EQ(roburoc4_udp_address_text(&address, text, sizeof text), 8);
@@ -433,16 +433,16 @@ TEST(Udp, RefusesAnotherStructSizeAndBadAddresses) {
     roburoc4_udp udp{};
     roburoc4_address address = some_address(1);
     EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp - 8, &address), ROBUROC4_ERR_SIZE);
-    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, nullptr), ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, nullptr), ROBUROC4_ERR_ADDRESS);
     address.port = 0;
-    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &address), ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &address), ROBUROC4_ERR_ADDRESS);
     address.port = 1;
     address.family = 0;
-    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &address), ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &address), ROBUROC4_ERR_ADDRESS);
     address.family = 6;
     address.ip[0] = 0xFE;
     address.ip[1] = 0x80;
-    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &address), ROBUROC4_ERR_ARGUMENT)
+    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &address), ROBUROC4_ERR_ADDRESS)
         << "a link-local address says nothing without its zone";
     EXPECT_EQ(roburoc4_udp_fd(&udp), -1);
 }

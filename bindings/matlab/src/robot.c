@@ -12,13 +12,7 @@
 /* ------------------------------------------------------------------------------ lifecycle --- */
 
 static int resolve(const char *text, roburoc4_address *out) {
-    const roburoc4_result result = roburoc4_udp_resolve(text, 0, out);
-    if (result == ROBUROC4_ERR_ARGUMENT) {
-        return fail(FAIL_ARGUMENT,
-                    "'%s' is not an address; give HOST or HOST:PORT, such as 192.168.0.2:60000",
-                    text);
-    }
-    return done(text, result);
+    return done(text, roburoc4_udp_resolve(text, 0, out));
 }
 
 /* Returns 1, also if nothing is to be recorded. */

@@ -51,7 +51,7 @@ def resolve(host: str) -> str:
     except (TypeError, ValueError):
         raise ArgumentError(
             f"{host!r} is not an address: give HOST or HOST:PORT, such as 192.168.0.2:60000",
-            Result.ARGUMENT,
+            Result.ADDRESS,
         ) from None
     except NetworkError as error:
         why = _NO_PORT if host == "virtual" else error

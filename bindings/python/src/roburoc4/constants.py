@@ -346,6 +346,7 @@ class Result(IntEnum):
     RESOLVE = -41
     CLOSED = -42
     BUSY = -43
+    ADDRESS = -44
 
     @property
     def text(self) -> str:

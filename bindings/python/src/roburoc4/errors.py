@@ -174,6 +174,7 @@ MAX_RAD_S = _native.ROBUROC4_MAX_DRIVE_RAD_S
 _LONGEST_S = 1e9
 _CLASSES: dict[int, type[RobotError]] = {
     Result.ARGUMENT: ArgumentError,
+    Result.ADDRESS: ArgumentError,
     Result.CONFIG: ArgumentError,
     Result.INDEX: ArgumentError,
     Result.RESERVED: ArgumentError,
