@@ -5,13 +5,15 @@
 universalmutator makes the changes by mutation.rules: the classical ones (a comparison, condition or
 calculation turned round, a bound moved by one, a result or flag of another value, a statement
 left out). One that does not compile, or that compiles to the same code, does not count. Those that
-nobody noticed are printed: each is a missing test, or a change that makes no difference.
+nobody noticed are printed: each is a missing test, or a change that makes no difference. Only some
+are tried, so the share is known to within two standard errors: by so much it may be too low.
 """
 
 from __future__ import annotations
 
 import argparse
 import difflib
+import math
 import os
 import random
 import shutil
@@ -128,7 +130,7 @@ def main() -> int:
     parser.add_argument("--link", default="", help="what they need, to link them with")
     parser.add_argument("--sample", type=int, default=200, help="changes to try")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--at-least", type=float, default=0, help="per cent that must be noticed")
+    parser.add_argument("--at-least", type=float, default=0, help="per cent that are to be noticed")
     parser.add_argument("sources", type=Path, nargs="+")
     options = parser.parse_args()
 
@@ -155,9 +157,10 @@ def main() -> int:
                 break
         pool.shutdown(cancel_futures=True)
     tries = count["noticed"] + count["missed"]
-    score = 100 * count["noticed"] / max(tries, 1)
-    print(f"{tries} of {len(mutants)} changes tried: {score:.1f} % noticed")
-    return 0 if score >= options.at_least else 1
+    share = count["noticed"] / max(tries, 1)
+    doubt = 2 * math.sqrt(share * (1 - share) / max(tries, 1))
+    print(f"{tries} of {len(mutants)} changes tried: {share:.1%} ± {doubt:.1%} noticed")
+    return 0 if share + doubt >= options.at_least / 100 else 1
 
 
 if __name__ == "__main__":
