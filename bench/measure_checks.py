@@ -20,7 +20,7 @@ def main():
     total = re.search(r"^(\S+) histories, \S+ steps, (\d+) s: no promise", explored, re.MULTILINE)
     part.add("histories explored", "roburoc4", "million", float(total[1]) / 1e6)
     part.add("that takes", "roburoc4", "s", int(total[2]))
-    board = figures.run(figures.TOP / "scripts/test-board")
+    board = figures.run(figures.TOP / "scripts/test-board", timeout=3600)
     for name, flash in re.findall(r"^(Cortex.*): (\d+) bytes of flash", board, re.MULTILINE):
         part.add(f"{name}: flash", "roburoc4", "bytes", int(flash))
     part.write(given.out)

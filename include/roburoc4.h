@@ -140,9 +140,9 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_EVENT_LAPSED 0x00002000         /* a lease expired before anything else disarmed */
 #define ROBUROC4_EVENT_STOP_CONFIRMED 0x00004000 /* the robot confirmed a stop */
 #define ROBUROC4_EVENT_OVERRIDE 0x00008000       /* game pad [A] was pressed or released */
-#define ROBUROC4_EVENT_OTHER_COMMANDER 0x00010000 /* another client commands, or no longer */
-#define ROBUROC4_EVENT_INHIBITED 0x00020000   /* it does not follow its commands, or does again */
-#define ROBUROC4_EVENT_BATTERY_LOW 0x00040000 /* remaining fell below minimum_percent */
+#define ROBUROC4_EVENT_OTHER_COMMANDER 0x00010000   /* another client commands, or no longer */
+#define ROBUROC4_EVENT_INHIBITED 0x00020000         /* the robot does not follow, or does again */
+#define ROBUROC4_EVENT_BATTERY_LOW 0x00040000       /* remaining fell below minimum_percent */
 #define ROBUROC4_EVENT_BATTERY_CRITICAL 0x00080000  /* the battery's state became Critical */
 #define ROBUROC4_EVENT_RELOCALIZED 0x00100000       /* the robot accepted the new pose */
 #define ROBUROC4_EVENT_RELOCALIZE_FAILED 0x00200000 /* it did not; see relocalize_result */
@@ -158,7 +158,7 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 /** How the last stop sequence ended: stop_outcome of roburoc4_facts. */
 #define ROBUROC4_STOP_NONE 0       /* none was sent yet */
 #define ROBUROC4_STOP_RUNNING 1    /* not ended, or waiting for the differential service */
-#define ROBUROC4_STOP_CONFIRMED 2  /* a status from well after the zeros shows both targets 0 */
+#define ROBUROC4_STOP_CONFIRMED 2  /* a status proven newer than the zeros shows both targets 0 */
 #define ROBUROC4_STOP_TIMED_OUT 3  /* robot_watchdog_ms passed, or no service accepted zeros */
 #define ROBUROC4_STOP_OVERRIDDEN 4 /* [A] was held, so the robot may have ignored the zeros */
 
@@ -294,7 +294,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_close(roburoc4_client *client, uint
  *  socket). Returns 0 or more if it was used; ROBUROC4_ERR_SHORT, _KIND, _VALUE, _UNMATCHED,
  *  _UNEXPECTED_STATUS or _OLD if it was dropped and counted. A dropped datagram changes no value.
  * It can still reveal a restart, or end a request.
- * Cost: at most 420 instructions for a status; no loop longer than the list that it carries. */
+ * Cost: about 420 instructions for a status; no loop longer than the list that it carries. */
 ROBUROC4_API roburoc4_result roburoc4_client_receive(roburoc4_client *client,
                                                      const uint8_t *datagram, size_t size,
                                                      uint64_t now_us);
@@ -302,7 +302,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_receive(roburoc4_client *client,
  *  every receive(), after every call that changes something, and at the deadline. Read the clock
  *  right before and send at once; drop what the network does not accept. A buffer of
  *  ROBUROC4_MAX_TRANSMIT bytes always suffices; ROBUROC4_ERR_BUFFER sends nothing.
- * Cost: 50 instructions if nothing is due; no loop longer than the robot's inputs. */
+ * Cost: about 20 instructions if nothing is due; no loop longer than the robot's inputs. */
 ROBUROC4_API roburoc4_result roburoc4_client_poll_transmit(roburoc4_client *client, uint8_t *buffer,
                                                            size_t capacity, uint64_t now_us);
 /** When to call poll_transmit() again if nothing happens before, on the clock of now_us; UINT64_MAX
@@ -358,7 +358,7 @@ ROBUROC4_API int32_t roburoc4_refusal_may_pass(roburoc4_result refusal);
  *  clamped to the robot's limits and the ceilings, which bound them before scaling, too.
  * ROBUROC4_ERR_NOT_FINITE, _UNITS (more than ROBUROC4_MAX_DRIVE_M_S or _RAD_S), _ARGUMENT (lease),
  * or why the client is not armed; then nothing changes.
- * Cost: at most 450 instructions; no loop longer than the two axes. */
+ * Cost: about 430 instructions to renew; no loop longer than the two axes. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_client *client,
                                                                        float linear_m_s,
                                                                        float angular_rad_s,
@@ -420,7 +420,7 @@ typedef struct roburoc4_facts {
 /** Ages, `driving`, `lapsed` and `lease_left_us` are computed for now_us. The rest, such as
  * `armed`, is as of the last poll_transmit(), arm() or drive(): after a hang, poll first.
  * ROBUROC4_ERR_SIZE for a size that the library does not know.
- * Cost: at most 950 instructions; no loop longer than the services. */
+ * Cost: about 910 instructions; no loop longer than the services. */
 ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client, uint64_t now_us,
                                                    roburoc4_facts *out);
 

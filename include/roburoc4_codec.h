@@ -54,7 +54,7 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_BUFFER (-2)   /* the buffer is too small; nothing was written */
 #define ROBUROC4_ERR_SHORT (-3)    /* the datagram is shorter than its layout */
 #define ROBUROC4_ERR_KIND (-4)     /* the datagram is of another kind */
-#define ROBUROC4_ERR_VALUE (-5)    /* a field of the datagram has an impossible value */
+#define ROBUROC4_ERR_VALUE (-5)    /* impossible value in a datagram; a name of several channels */
 #define ROBUROC4_ERR_ROBOT (-6)    /* the answer carries one of the robot's error codes */
 /* of the client */
 #define ROBUROC4_ERR_SIZE (-7)        /* a struct's size is not the library's */
@@ -93,7 +93,7 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_RESOLVE (-41) /* a host name has no address */
 #define ROBUROC4_ERR_CLOSED (-42)  /* already closed, or made before a fork() */
 #define ROBUROC4_ERR_BUSY (-43)    /* another thread drives a move with this pump */
-#define ROBUROC4_ERR_ADDRESS (-44) /* not HOST or HOST:PORT, such as 192.168.0.2:60000 */
+#define ROBUROC4_ERR_ADDRESS (-44) /* not an address, as a text or as a struct */
 
 /** One English sentence for a result, without a full stop: the cause, and often after a colon what
  *  to do. "ok" for 0 and more, "unknown error" for an invalid value. Valid as long as the program

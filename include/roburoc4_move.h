@@ -76,14 +76,14 @@ extern "C" {
 /* ------------------------------------------------------------------------------- outcomes --- */
 
 #define ROBUROC4_MOVE_RUNNING 0
-#define ROBUROC4_MOVE_REACHED 1         /* at the goal, and at rest */
-#define ROBUROC4_MOVE_OVERRIDE 2        /* [A] on the game pad is held, or its state is unknown */
-#define ROBUROC4_MOVE_BUMPER 3          /* a bumper is pressed */
-#define ROBUROC4_MOVE_OBSTACLE 4        /* a telemeter saw something too near */
-#define ROBUROC4_MOVE_INHIBITED 5       /* it does not follow: emergency stop, brakes, motors */
-#define ROBUROC4_MOVE_LOST 6            /* statuses that it needs, or commands, do not arrive */
+#define ROBUROC4_MOVE_REACHED 1   /* at the goal, and at rest */
+#define ROBUROC4_MOVE_OVERRIDE 2  /* [A] on the game pad is held, or its state is unknown */
+#define ROBUROC4_MOVE_BUMPER 3    /* a bumper is pressed */
+#define ROBUROC4_MOVE_OBSTACLE 4  /* a telemeter saw something too near */
+#define ROBUROC4_MOVE_INHIBITED 5 /* the robot does not follow: emergency stop, brakes, motors */
+#define ROBUROC4_MOVE_LOST 6      /* statuses that it needs, or commands, do not arrive */
 #define ROBUROC4_MOVE_OTHER_COMMANDER 7 /* another client commands the robot */
-#define ROBUROC4_MOVE_TIMEOUT 8
+#define ROBUROC4_MOVE_TIMEOUT 8         /* it took longer than timeout_ms */
 #define ROBUROC4_MOVE_CANCELLED 9 /* by roburoc4_move_cancel(), client_pause() or client_stop() */
 #define ROBUROC4_MOVE_LAPSED 10   /* the program hung: a lease of the move expired */
 #define ROBUROC4_MOVE_ODOMETRY 11 /* commands, speeds and pose disagree */

@@ -144,11 +144,11 @@ typedef struct roburoc4_udp {
 ROBUROC4_API roburoc4_result roburoc4_udp_open(roburoc4_udp *udp, size_t udp_size,
                                                const roburoc4_address *address);
 /** The same, sending from this local address and port: for a computer with several networks, or a
- *  firewall that lets one port through. `local` is of the same family, or NULL for
- *  roburoc4_udp_open(). An address of all zeros and a port of 0 leave that part to the system, so
- *  roburoc4_udp_resolve("192.168.0.5", 0, &local) is followed by local.port = 0 where the port does
- *  not matter. ROBUROC4_ERR_SYSTEM also if this machine does not have the address, or another
- *  program has the port. */
+ *  firewall that lets one port through. `local` is of the same family (else
+ *  ROBUROC4_ERR_ADDRESS), or NULL for roburoc4_udp_open(). An address of all zeros and a port of 0
+ * leave that part to the system, so roburoc4_udp_resolve("192.168.0.5", 0, &local) is followed by
+ * local.port = 0 where the port does not matter. ROBUROC4_ERR_SYSTEM also if this machine does not
+ * have the address, or another program has the port. */
 ROBUROC4_API roburoc4_result roburoc4_udp_open_from(roburoc4_udp *udp, size_t udp_size,
                                                     const roburoc4_address *address,
                                                     const roburoc4_address *local);

@@ -28,7 +28,7 @@ static const char codec_and_client[] =
     "configuration value out of range\0"
     "client not started, or closing\0"
     "not reported by the robot yet: wait, then try again\0"
-    "the robot has no such channel\0"
+    "there is none with this number or name\0"
     "output 0 belongs to the robot: use output 1 or above\0"
     "NaN or infinity: give finite numbers\0"
     "answer to no open request\0"

@@ -181,7 +181,7 @@ const struct {
     {ROBUROC4_ERR_CONFIG, "configuration value out of range"},
     {ROBUROC4_ERR_STATE, "client not started, or closing"},
     {ROBUROC4_ERR_NOT_KNOWN, "not reported by the robot yet: wait, then try again"},
-    {ROBUROC4_ERR_INDEX, "the robot has no such channel"},
+    {ROBUROC4_ERR_INDEX, "there is none with this number or name"},
     {ROBUROC4_ERR_RESERVED, "output 0 belongs to the robot: use output 1 or above"},
     {ROBUROC4_ERR_NOT_FINITE, "NaN or infinity: give finite numbers"},
     {ROBUROC4_ERR_UNMATCHED, "answer to no open request"},

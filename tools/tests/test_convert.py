@@ -113,7 +113,7 @@ def test_a_recorded_drive_is_no_fault(path: Path, tmp_path: Path) -> None:
     found = messages(tmp_path / "run.mcap")
     statuses = [each for _, one in found["/diagnostics"] for each in one.status]
     driving = [each for each in statuses if each.name == "roburoc4: driving"]
-    assert any("another commander" in each.message for each in driving)
+    assert any("another client" in each.message for each in driving)
     assert not [each.message for each in driving if each.level]
 
 

@@ -119,7 +119,9 @@ def _add_ros(parser: argparse.ArgumentParser) -> None:
         "else detected from what they announce)",
     )
     group.add_argument(
-        "--interface", metavar="NAME", help="network interface, such as eth0 (default: any)"
+        "--interface",
+        metavar="NAME",
+        help="network interface, such as eth0 (default: the first that can multicast)",
     )
 
 

@@ -29,5 +29,6 @@ properties (Constant)
     UPLINK = -36
     UNITS = -37
     SUBSCRIPTION_REFUSED = -38
+    CLOSED = -42
 end
 end

@@ -8,7 +8,8 @@ classdef Robot < handle
 %                                which roburoc4:timeout is raised
 %      wait_for_data (true)      false: do not wait for the first statuses
 %      lease_ms (250)            duration of a drive command, 20 to 1000
-%      drive_period_ms (50)      how often a drive command is repeated, 10 to half of lease_ms
+%      drive_period_ms (50)      how often a command is repeated, 10 to half of lease_ms
+%                                and of robot_watchdog_ms
 %      max_linear_m_s (1)        highest speed, before and after it is scaled, 0.001 to 5
 %      max_angular_rad_s (1.5)   highest turn rate, likewise, 0.001 to 10
 %      scale_linear (1), scale_angular (1)   factors for the speeds given to drive,
@@ -19,7 +20,8 @@ classdef Robot < handle
 %      iocard_period_ms (50), telemeter_period_ms (100), battery_period_ms (1000),
 %      localization_period_ms (50), differential_period_ms (50)
 %                                how often the robot sends each status: a multiple of 10, 10 to
-%                                2550, or 0 for never
+%                                2550, or 0 for never; of iocard and differential
+%                                at most a third of fresh_ms
 %      buffer (10000)            statuses that are kept for record and log, 16 to 1000000; the
 %                                default is two minutes
 %      record                    file (.pcapng) in which every datagram is recorded, or a folder
@@ -93,7 +95,7 @@ classdef Robot < handle
 %                                      the robot), 'timed_out', 'overridden' ([A] was held)
 %              disarm_cause, disarm_text   why it is not armed: one of roburoc4.Result; a sentence
 %              overridden              [A] on the game pad is held
-%              other_commander         another commander drives the robot
+%              other_commander         another client commands the robot
 %              inhibited               the robot does not follow its commands
 %              front_bumper, rear_bumper, battery_low   pressed; below minimum_percent, or critical
 %              missing                 services that send nothing, such as 'telemeter battery'

@@ -384,7 +384,7 @@ class Facts(NamedTuple):
     overridden: bool | None
     """Somebody holds [A] on the game pad. None, here and below: not known."""
     other_commander: bool
-    """Another commander drives the robot."""
+    """Another client commands the robot."""
     inhibited: bool
     """The robot does not follow its commands: too slow (emergency stop, brakes, bumper), too
     fast, or the wrong way."""
@@ -406,7 +406,7 @@ class Facts(NamedTuple):
     """Result of the last ``relocalize``; ``NOT_KNOWN`` until it is answered."""
     lease_left_us: int
     sent_linear_m_s: float
-    """The last speeds sent; 0 after a zero."""
+    """The last speeds sent; 0 after a stop."""
     sent_angular_rad_s: float
 
 

@@ -226,7 +226,7 @@ class Robot(RobotBase, Moving[MoveResult]):
     def relocalize(self, x_m: float, y_m: float, theta_rad: float) -> None:
         """Set the robot's pose; wait for its answer and for a pose that follows it.
 
-        Raises RefusedError, or RobotTimeoutError if either is missing after 3 s.
+        Raises RefusedError; RobotTimeoutError without an answer in 2 s or a pose 3 s later.
         """
         finite(x_m=x_m, y_m=y_m, theta_rad=theta_rad)
         check_heading(theta_rad)

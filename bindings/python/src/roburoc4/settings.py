@@ -26,7 +26,7 @@ class Settings(TypedDict, total=False):
     lapse_disarm_ms: int
     """Disarm if a lease expired and was not renewed for this long; 0 to 60000; 1000."""
     drive_period_ms: int
-    """Period at which a drive command is repeated; 10 to 500, at most half of ``lease_ms``; 50."""
+    """Repeats a command; 10 to 500, at most half of ``lease_ms``, ``robot_watchdog_ms``; 50."""
     fresh_ms: int
     """Maximum age of a status that counts for driving; 50 to 1000; 300."""
     lost_ms: int
@@ -49,7 +49,7 @@ class Settings(TypedDict, total=False):
     keep_curvature: bool
     """At a limit, slow down instead of turning less; off."""
     allow_unknown_override: bool
-    """Arm although the game pad's input is unknown; off. Gives up a protection."""
+    """Arm although no text names [A]; off. Gives up a protection."""
     ignore_other_commander: bool
     """Stay armed while another client commands; off. Gives up a protection."""
     override_index: int

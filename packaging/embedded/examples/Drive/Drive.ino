@@ -33,9 +33,9 @@ void setup() {
 
 void loop() {
     static uint8_t datagram[512];
-    while (udp.parsePacket() > 0) {
+    for (int whole; (whole = udp.parsePacket()) > 0;) {
         int size = udp.read(datagram, sizeof datagram);
-        if (size > 0 && udp.remoteIP() == ROBOT) {
+        if (size == whole && udp.remoteIP() == ROBOT) {
             roburoc4_client_receive(&client, datagram, (size_t)size, now_us());
         }
     }

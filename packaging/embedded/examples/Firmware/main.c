@@ -7,7 +7,7 @@
 
 uint64_t board_now_us(void);
 int board_button(void);
-size_t board_receive(uint8_t *datagram, size_t capacity); /* from the robot alone; 0: none */
+size_t board_receive(uint8_t *datagram, size_t capacity); /* whole, from the robot; 0: none */
 void board_send(const uint8_t *datagram, size_t size);
 
 static roburoc4_client client;

@@ -233,7 +233,7 @@ def _check_robot(found: Findings, robot: Robot, say: Say) -> None:
         "the robot does not report its game pad: it cannot be driven": facts.overridden is None,
         "it is not known whether a bumper is pressed": None
         in (facts.front_bumper, facts.rear_bumper),
-        "another commander drives the robot": facts.other_commander,
+        "another client commands the robot": facts.other_commander,
         f"{found.repeated} of {found.received} datagrams were repeated on their way, or overtaken: "
         "look for a loop in the network": found.repeated > REPEATED_SHARE * found.received,
         "its speed limits are not usable: it cannot be driven": facts.arm_refusal == Result.LIMITS,

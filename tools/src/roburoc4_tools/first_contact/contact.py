@@ -52,7 +52,11 @@ STEPS = (
         wheels.motors,
     ),
     Step("power on", _WHEELS.format("forward, at 0.1 m/s, for 2 s"), wheels.power_on),
-    Step("odometry", _WHEELS.format("forward, then in place, for 3 s each"), wheels.odometry),
+    Step(
+        "odometry",
+        _WHEELS.format("forward at up to 0.4 m/s, then in place at up to 0.8 rad/s, for 3 s each"),
+        wheels.odometry,
+    ),
     Step("may leave the stand", "", wheels.may_leave_the_stand),
 )
 

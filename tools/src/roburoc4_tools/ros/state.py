@@ -34,7 +34,7 @@ def conditions(robot: Robot) -> dict[str, bool]:
 def diagnoses(robot: Robot, node: str, *, watches: bool = False) -> list[Diagnosis]:
     """Return a robot's entry in /diagnostics.
 
-    For who only ``watches``, it is no fault that another commander drives.
+    For who only ``watches``, it is no fault that another client commands.
     """
     found = [_link(robot), _driving(robot, watches=watches), _battery(robot)]
     found.append(Diagnosis(_FINE, "versions", __version__, _VERSIONS))
@@ -71,7 +71,7 @@ def _driving(robot: Robot, *, watches: bool) -> Diagnosis:
         level, text = _WARNING, "the robot does not follow its commands"
     elif facts.other_commander:
         level = _FINE if watches else _WARNING
-        text = "another commander drives the robot"
+        text = "another client commands the robot"
     elif facts.overridden:
         level, text = _WARNING, "somebody drives with the game pad"
     elif facts.stop_outcome in _UNCONFIRMED and not facts.armed:
