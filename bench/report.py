@@ -39,7 +39,7 @@ REASONS = {
     "all calls for each status, watching": "each status proves ages",
     "all calls for each status, driving": "ages, uplink and wheels are watched",
     "firmware that drives, linked": "it copes with robots that nobody has seen",
-    "the same, without all three options": "as above",
+    "the same, without texts and statistics": "as above",
     "a metre, in a firmware that drives": "it learns the robot's response, in emulated floats",
     "a client's memory": "ages, restarts and stops of every robot",
     "processor, one robot as by default": "under 1 % is not worth more code",

@@ -42,7 +42,8 @@
  *   NULL        a pointer must be valid unless its comment says that it may be NULL.
  *   Cost        no heap, no recursion, at most 400 bytes of stack on a Cortex-M0
  *               (bench/footprint). The calls of a loop say how many instructions they take on
- *               x86-64 (bench/client-cost), and what bounds their longest loop.
+ *               x86-64 (bench/client-cost). No loop of theirs is longer than 64, but for the
+ *               search in a text that was received.
  *
  * OPTIONS OF A BUILD
  *
@@ -146,9 +147,9 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_EVENT_BATTERY_CRITICAL 0x00080000  /* the battery's state became Critical */
 #define ROBUROC4_EVENT_RELOCALIZED 0x00100000       /* the robot accepted the new pose */
 #define ROBUROC4_EVENT_RELOCALIZE_FAILED 0x00200000 /* it did not; see relocalize_result */
-#define ROBUROC4_EVENT_SUBSCRIPTION_REFUSED 0x00400000
-#define ROBUROC4_EVENT_FIXED_ID 0x00800000          /* the robot answers with 0x01 only */
-#define ROBUROC4_EVENT_CLOCK 0x01000000             /* the clock went back */
+#define ROBUROC4_EVENT_SUBSCRIPTION_REFUSED 0x00400000 /* the robot refused to send a status */
+#define ROBUROC4_EVENT_FIXED_ID 0x00800000             /* the robot answers with 0x01 only */
+#define ROBUROC4_EVENT_CLOCK 0x01000000                /* the clock went back */
 #define ROBUROC4_EVENT_CAPACITY 0x02000000          /* the robot has more than the client stores */
 #define ROBUROC4_EVENT_DESCRIPTIONS_DONE 0x04000000 /* every text was answered or given up */
 #define ROBUROC4_EVENT_ROLE 0x08000000    /* a text identified the input for a ROBUROC4_ROLE_* */
@@ -286,15 +287,15 @@ ROBUROC4_API roburoc4_result roburoc4_client_start(roburoc4_client *client, uint
  *  has ended. Keep calling receive() and poll_transmit() until the state is idle: it takes at most
  *  robot_watchdog_ms or three drive periods, and as long again if [A] is released meanwhile.
  *  Further calls change nothing.
- * Subscriptions are kept, as other clients may share them: where none does, end them before with
- * roburoc4_client_subscribe(). ROBUROC4_ERR_STATE if idle. */
+ *  Subscriptions are kept, as other clients may share them: where none does, end them before with
+ *  roburoc4_client_subscribe(). ROBUROC4_ERR_STATE if idle. */
 ROBUROC4_API roburoc4_result roburoc4_client_close(roburoc4_client *client, uint64_t now_us);
 
 /** Process a datagram from the robot. The caller ensures that it comes from the robot (connect the
  *  socket). Returns 0 or more if it was used; ROBUROC4_ERR_SHORT, _KIND, _VALUE, _UNMATCHED,
  *  _UNEXPECTED_STATUS or _OLD if it was dropped and counted. A dropped datagram changes no value.
- * It can still reveal a restart, or end a request.
- * Cost: about 420 instructions for a status; no loop longer than the list that it carries. */
+ *  It can still reveal a restart, or end a request.
+ *  Cost: at most 430 instructions for a status, 360 for a differential one. */
 ROBUROC4_API roburoc4_result roburoc4_client_receive(roburoc4_client *client,
                                                      const uint8_t *datagram, size_t size,
                                                      uint64_t now_us);
@@ -302,7 +303,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_receive(roburoc4_client *client,
  *  every receive(), after every call that changes something, and at the deadline. Read the clock
  *  right before and send at once; drop what the network does not accept. A buffer of
  *  ROBUROC4_MAX_TRANSMIT bytes always suffices; ROBUROC4_ERR_BUFFER sends nothing.
- * Cost: about 20 instructions if nothing is due; no loop longer than the robot's inputs. */
+ *  Cost: at most 25 instructions if nothing is due. */
 ROBUROC4_API roburoc4_result roburoc4_client_poll_transmit(roburoc4_client *client, uint8_t *buffer,
                                                            size_t capacity, uint64_t now_us);
 /** When to call poll_transmit() again if nothing happens before, on the clock of now_us; UINT64_MAX
@@ -329,18 +330,18 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
 
 /** Allow driving. Returns 0, or the first reason against it: ROBUROC4_ERR_NOT_READY,
  *  _NO_DIFFERENTIAL, _LIMITS, _STALE_DIFFERENTIAL, then _STALE_IOCARD (or _SUBSCRIPTION_REFUSED,
- * where the robot refused to send these), _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER, _UPLINK
- * (it disarmed for this reason, and the robot has answered nothing since), _MOVING. While armed,
- * the client disarms itself as soon as one of these reasons except _MOVING applies, when the robot
- * does not follow its speeds (_INHIBITED), when commands reach it late (_UPLINK), and
- * lapse_disarm_ms after a lease expired (_LAPSED). Arming an armed client is fine. A ready client
- * may not be armable yet, as the first statuses come later: ROBUROC4_EVENT_ARMABLE is raised each
- * time arming becomes possible after it was impossible for more than a few statuses;
- * roburoc4_pump_arm() waits for it.
+ *  where the robot refused to send these), _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER, _UPLINK
+ *  (it disarmed for this reason, and the robot has answered nothing since), _MOVING. While armed,
+ *  the client disarms itself as soon as one of these reasons except _MOVING applies, when the robot
+ *  does not follow its speeds (_INHIBITED), when commands reach it late (_UPLINK), and
+ *  lapse_disarm_ms after a lease expired (_LAPSED). Arming an armed client is fine. A ready client
+ *  may not be armable yet, as the first statuses come later: ROBUROC4_EVENT_ARMABLE is raised each
+ *  time arming becomes possible after it was impossible for more than a few statuses;
+ *  roburoc4_pump_arm() waits for it.
  *
- * ARM ONLY WHEN A PERSON ASKS FOR IT. Arming succeeds while an emergency stop is pressed (no status
- * reports it): a program that arms again after each disarm sets the robot off when the stop is
- * released. */
+ *  ARM ONLY WHEN A PERSON ASKS FOR IT. Arming succeeds while an emergency stop is pressed (no
+ * status reports it): a program that arms again after each disarm sets the robot off when the stop
+ * is released. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client,
                                                                      uint64_t now_us);
 /** 1 if a reason against arming may go away by itself (no answer or status yet, the robot still
@@ -356,9 +357,9 @@ ROBUROC4_API int32_t roburoc4_refusal_may_pass(roburoc4_result refusal);
 /** Drive at these speeds for lease_us (0: the configured lease; else within these limits) from now.
  *  The speeds are scaled, then reduced together if ROBUROC4_OPTION_KEEP_CURVATURE is set, then
  *  clamped to the robot's limits and the ceilings, which bound them before scaling, too.
- * ROBUROC4_ERR_NOT_FINITE, _UNITS (more than ROBUROC4_MAX_DRIVE_M_S or _RAD_S), _ARGUMENT (lease),
- * or why the client is not armed; then nothing changes.
- * Cost: about 430 instructions to renew; no loop longer than the two axes. */
+ *  ROBUROC4_ERR_NOT_FINITE, _UNITS (more than ROBUROC4_MAX_DRIVE_M_S or _RAD_S), _ARGUMENT (lease),
+ *  or why the client is not armed; then nothing changes.
+ *  Cost: at most 450 instructions to renew. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_client *client,
                                                                        float linear_m_s,
                                                                        float angular_rad_s,
@@ -366,8 +367,8 @@ ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_
                                                                        uint64_t now_us);
 /** Stop the robot, and disarm: end the lease and send a stop sequence, armed or not, now or as soon
  *  as the differential service is known. drive() is refused (ROBUROC4_ERR_STOP_CALLED) until
- * somebody calls arm() again. ROBUROC4_ERR_STATE if idle or closing: then nothing is to be stopped,
- * and nothing changes. */
+ *  somebody calls arm() again. ROBUROC4_ERR_STATE if idle or closing: then nothing is to be
+ * stopped, and nothing changes. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_stop(roburoc4_client *client,
                                                                       uint64_t now_us);
 /** As stop(), but stay armed: the program's own end of driving, after which it may drive() again.
@@ -418,9 +419,9 @@ typedef struct roburoc4_facts {
                            UINT32_MAX if there is none, or it is from before the robot was found */
 } roburoc4_facts;
 /** Ages, `driving`, `lapsed` and `lease_left_us` are computed for now_us. The rest, such as
- * `armed`, is as of the last poll_transmit(), arm() or drive(): after a hang, poll first.
- * ROBUROC4_ERR_SIZE for a size that the library does not know.
- * Cost: about 910 instructions; no loop longer than the services. */
+ *  `armed`, is as of the last poll_transmit(), arm() or drive(): after a hang, poll first.
+ *  ROBUROC4_ERR_SIZE for a size that the library does not know.
+ *  Cost: at most 950 instructions. */
 ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client, uint64_t now_us,
                                                    roburoc4_facts *out);
 
@@ -549,7 +550,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_relocalize(roburoc4_client *client,
 /** Subscribe to a service (ROBUROC4_SERVICE_IOCARD to _DIFFERENTIAL) or change its period: a
  *  multiple of 10, 10 to 2550 ms. A period of 0 ends the subscription: statuses that still come
  *  are counted and dropped. The setting persists when the robot is lost and found again.
- * ROBUROC4_ERR_ARGUMENT. */
+ *  ROBUROC4_ERR_ARGUMENT. */
 ROBUROC4_API roburoc4_result roburoc4_client_subscribe(roburoc4_client *client, uint32_t service,
                                                        uint32_t period_ms, uint64_t now_us);
 

@@ -61,7 +61,7 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_CONFIG (-8)      /* a configuration value; see roburoc4_config_error() */
 #define ROBUROC4_ERR_STATE (-9)       /* the client was not started, or is closing */
 #define ROBUROC4_ERR_NOT_KNOWN (-10)  /* not reported by the robot yet */
-#define ROBUROC4_ERR_INDEX (-11)      /* there is none with this number or name */
+#define ROBUROC4_ERR_INDEX (-11)      /* no channel, entry or control has this number or name */
 #define ROBUROC4_ERR_RESERVED (-12)   /* digital output 0 is the robot's own watchdog */
 #define ROBUROC4_ERR_NOT_FINITE (-13) /* NaN or infinity */
 #define ROBUROC4_ERR_UNMATCHED (-14)  /* an answer to no open request: late, duplicate, not ours */

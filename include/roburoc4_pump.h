@@ -77,7 +77,7 @@ typedef struct roburoc4_pump roburoc4_pump;
  *  (no socket, thread or memory; errno says why). An absent robot is not an error. Free the pump
  *  with roburoc4_pump_destroy(). A NULL address makes a pump without socket, thread or
  *  recording, for virtual time (roburoc4_sim.h): start the client and give it its datagrams with
- * the pump locked, and call roburoc4_pump_collect() after each. */
+ *  the pump locked, and call roburoc4_pump_collect() after each. */
 ROBUROC4_API roburoc4_pump *
 roburoc4_pump_create(const roburoc4_address *address, const roburoc4_config *config,
                      uint32_t queue_capacity, roburoc4_recorder *recorder, roburoc4_result *result);
@@ -105,10 +105,10 @@ ROBUROC4_API void roburoc4_pump_destroy(roburoc4_pump *pump);
 ROBUROC4_API roburoc4_result roburoc4_pump_record(roburoc4_pump *pump, roburoc4_recorder *recorder);
 /** Take the pump's lock and get its client, for any roburoc4_client_*() call except receive(),
  *  poll_transmit(), take_events(), start() and close(), which only the pump makes. NULL in a forked
- * child; then there is nothing to unlock. Read roburoc4_udp_now_us() while the lock is held. Hold
- * it only for a few calls and never while waiting, as the link waits meanwhile; the only other
- * function of this pump that may be called is roburoc4_pump_udp(). The pointer is valid until the
- * unlock. */
+ *  child; then there is nothing to unlock. Read roburoc4_udp_now_us() while the lock is held. Hold
+ *  it only for a few calls and never while waiting, as the link waits meanwhile; the only other
+ *  function of this pump that may be called is roburoc4_pump_udp(). The pointer is valid until the
+ *  unlock. */
 ROBUROC4_API roburoc4_client *roburoc4_pump_lock(roburoc4_pump *pump);
 /** The pump's socket, to read its fields; valid between lock and unlock. Without an address, all of
  *  them are 0. */
@@ -121,7 +121,7 @@ ROBUROC4_API void roburoc4_pump_unlock(roburoc4_pump *pump);
  *  roburoc4_refusal_may_pass()), such as a held game pad, else after timeout_us. If it is
  *  ROBUROC4_ERR_NOT_READY, the fault of roburoc4_pump_udp() (with the pump locked) may say why.
  *  ROBUROC4_ERR_STOP_CALLED if roburoc4_pump_request_stop() was called meanwhile;
- * ROBUROC4_ERR_CLOSED, also with a pump that was made without an address. */
+ *  ROBUROC4_ERR_CLOSED, also with a pump that was made without an address. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump,
                                                                    uint32_t timeout_us);
 /** Drive a move to its end: take its steps, and grant the speeds that it proposes. Waits for the
@@ -222,7 +222,7 @@ ROBUROC4_API roburoc4_result roburoc4_pump_wait_events(roburoc4_pump *pump,
  *  its directory (io_type -1). Writes it with a terminating NUL and returns its length. Its
  *  character set is not specified, and it may be empty. A buffer of ROBUROC4_PUMP_DESCRIPTION_SIZE
  *  always suffices. ROBUROC4_ERR_NOT_KNOWN: the robot gave none (yet); ROBUROC4_ERR_INDEX: beyond
- * the client's capacities; ROBUROC4_ERR_ARGUMENT: no such io_type; ROBUROC4_ERR_BUFFER. */
+ *  the client's capacities; ROBUROC4_ERR_ARGUMENT: no such io_type; ROBUROC4_ERR_BUFFER. */
 ROBUROC4_API roburoc4_result roburoc4_pump_description(roburoc4_pump *pump, int32_t io_type,
                                                        uint32_t index, char *buffer,
                                                        size_t capacity);

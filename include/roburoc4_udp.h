@@ -146,9 +146,9 @@ ROBUROC4_API roburoc4_result roburoc4_udp_open(roburoc4_udp *udp, size_t udp_siz
 /** The same, sending from this local address and port: for a computer with several networks, or a
  *  firewall that lets one port through. `local` is of the same family (else
  *  ROBUROC4_ERR_ADDRESS), or NULL for roburoc4_udp_open(). An address of all zeros and a port of 0
- * leave that part to the system, so roburoc4_udp_resolve("192.168.0.5", 0, &local) is followed by
- * local.port = 0 where the port does not matter. ROBUROC4_ERR_SYSTEM also if this machine does not
- * have the address, or another program has the port. */
+ *  leave that part to the system, so roburoc4_udp_resolve("192.168.0.5", 0, &local) is followed by
+ *  local.port = 0 where the port does not matter. ROBUROC4_ERR_SYSTEM also if this machine does not
+ *  have the address, or another program has the port. */
 ROBUROC4_API roburoc4_result roburoc4_udp_open_from(roburoc4_udp *udp, size_t udp_size,
                                                     const roburoc4_address *address,
                                                     const roburoc4_address *local);
@@ -163,7 +163,7 @@ ROBUROC4_API intptr_t roburoc4_udp_fd(const roburoc4_udp *udp);
 /* ------------------------------------------------------------------------------ datagrams --- */
 
 /** What roburoc4_udp_receive() calls after it passed a datagram to the client, with the `context`
- * that it was given. The datagram is valid until the function returns. It may call the client, and
+ *  that it was given. The datagram is valid until the function returns. It may call the client, and
  *  roburoc4_udp_transmit_all(). */
 typedef void (*roburoc4_udp_seen)(void *context, const uint8_t *datagram, size_t size);
 

@@ -5,7 +5,7 @@
  */
 #include "internal.h"
 
-/* A client that is not ready starts over after a silence of this long. */
+/* A client that is not ready starts over after a silence this long. */
 #define PATIENCE_US (5 * SECOND)
 /* The same where only texts are left to request, one at a time, and each may stay unanswered. */
 #define TEXT_PATIENCE_US (15 * SECOND)

@@ -311,10 +311,9 @@ static void widen_envelope(drive *d) {
     }
 }
 
-/** Until the robot is known to have a new target, or to have stopped, it may keep an old one; and
- * until it answers a request that was sent after the zeros, an old one may still arrive: a target
- * of 0 also confirms the stop of a robot that no speed has reached yet. A lease that sent no speed
- * shows neither. */
+/** The envelope narrows once no older speed can be shown: under a lease, when the new target was;
+ * without one, when the stop is confirmed and nothing is on its way. A target of 0 also confirms
+ * the stop of a robot that no speed has reached yet. */
 static void age_envelope(drive *d, uint32_t window_us, uint32_t now_us) {
     if (now_us - d->envelope_us < window_us) {
         return;
@@ -485,12 +484,27 @@ static bool both_near(const float *values, const float *low, const float *high) 
            near(values[ANGULAR], low[ANGULAR], high[ANGULAR], TARGET_TOLERANCE);
 }
 
-/** While driving, what is sent must appear among the reported targets. To see the old target again
- * proves nothing, unless it was sent again. */
+static bool both_zero(const float *values) {
+    return nearly_zero(values[LINEAR]) && nearly_zero(values[ANGULAR]);
+}
+
+/** Whether a reported target shows that one of those that were sent since has arrived. To see the
+ * old one again proves nothing, unless it was sent again; nor does a zero between others, as it may
+ * be that of the robot's watchdog. */
+static bool shows_new_target(const drive *d, const float *reported) {
+    bool between = false;
+    for (uint32_t axis = 0; axis < AXES; axis++) {
+        between = between || (!nearly_zero(d->echo_low[axis]) && !nearly_zero(d->echo_high[axis]));
+    }
+    return both_near(reported, d->sent, d->sent) ||
+           (both_near(reported, d->echo_low, d->echo_high) &&
+            !both_near(reported, d->echoed, d->echoed) && !(between && both_zero(reported)));
+}
+
+/** While driving, what is sent must appear among the reported targets. */
 static void watch_echo(drive *d, const roburoc4_config *config, const float *reported, bool ours,
                        uint32_t now_us, uint32_t *events) {
-    if (d->echo_due && both_near(reported, d->echo_low, d->echo_high) &&
-        (both_near(reported, d->sent, d->sent) || !both_near(reported, d->echoed, d->echoed))) {
+    if (d->echo_due && shows_new_target(d, reported)) {
         d->echo_due = 0;
         d->in_flight = IN_FLIGHT_THIS_LEASE; /* what was sent before it has arrived, too */
     }
@@ -551,7 +565,7 @@ static bool has_target(const drive *d, const float *reported, bool zero) {
 }
 
 /** A speed of ours came late, or came back, although nobody drives. */
-static void target_returned(drive *d, const roburoc4_private_link *l) {
+static void answer_returned_target(drive *d, const roburoc4_private_link *l) {
     d->unconfirmed = 1;
     fly_at_least(d, IN_FLIGHT_EARLIER);
     if (roburoc4_link_age_at_arrival(l, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL)) < WATCHED_US) {
@@ -559,26 +573,24 @@ static void target_returned(drive *d, const roburoc4_private_link *l) {
     }
 }
 
-uint32_t roburoc4_drive_status(drive *d, const roburoc4_config *config,
-                               const roburoc4_differential_status *s, pad_state pad,
-                               const roburoc4_private_link *l, uint32_t now_us) {
-    uint32_t events = 0;
+void roburoc4_drive_status(drive *d, const roburoc4_config *config,
+                           const roburoc4_differential_status *s, pad_state pad,
+                           const roburoc4_private_link *l, uint32_t now_us, uint32_t *events) {
     const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
-    const bool zero = nearly_zero(reported[LINEAR]) && nearly_zero(reported[ANGULAR]);
+    const bool zero = both_zero(reported);
     age_envelope(d, config->robot_watchdog_ms * MS, now_us);
     const bool ours =
         zero || (is_ours(d, LINEAR, reported[LINEAR]) && is_ours(d, ANGULAR, reported[ANGULAR]));
-    watch_other_commander(d, config, ours || pad == PAD_HELD, &events);
+    watch_other_commander(d, config, ours || pad == PAD_HELD, events);
     if (pad != PAD_HELD) {
         if (d->stopping) {
             watch_stop(d, zero, pad == PAD_RELEASED, l, now_us);
         } else if (d->lease_active) {
-            watch_echo(d, config, reported, ours, now_us, &events);
+            watch_echo(d, config, reported, ours, now_us, events);
         } else if (!zero && ours && has_driven(d)) {
-            target_returned(d, l);
+            answer_returned_target(d, l);
         }
     }
     const bool expected = pad != PAD_HELD && has_target(d, reported, zero);
-    watch_following(d, s, expected, now_us, &events);
-    return events;
+    watch_following(d, s, expected, now_us, events);
 }

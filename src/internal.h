@@ -266,10 +266,10 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
                          uint32_t *events);
 /* [A] on the game pad: released; no status of the inputs as new as that of the speeds; held. */
 typedef enum pad_state { PAD_RELEASED, PAD_NOT_SEEN, PAD_HELD } pad_state;
-/** A status arrived; how old it is at most, the link knows. Returns the events. */
-uint32_t roburoc4_drive_status(drive *d, const roburoc4_config *config,
-                               const roburoc4_differential_status *status, pad_state pad,
-                               const roburoc4_private_link *l, uint32_t now_us);
+/** A status arrived; how old it is at most, the link knows. */
+void roburoc4_drive_status(drive *d, const roburoc4_config *config,
+                           const roburoc4_differential_status *status, pad_state pad,
+                           const roburoc4_private_link *l, uint32_t now_us, uint32_t *events);
 /** Known: it can be driven at this id. Not known: a pending stop sequence still goes to the old id;
  * a changed id gets nothing. */
 void roburoc4_drive_service(drive *d, bool known, uint16_t id);
@@ -514,7 +514,7 @@ void roburoc4_subscriptions_refused(subscriptions *s, uint32_t service, uint32_t
 void roburoc4_subscriptions_forget(subscriptions *s, uint32_t service);
 /** End it. */
 void roburoc4_subscriptions_leave(subscriptions *s, uint32_t service);
-/** The robot answered that it ended, or never will. */
+/** Its end was confirmed, or is no longer requested. */
 void roburoc4_subscriptions_left(subscriptions *s, uint32_t service);
 /** Request those again that the robot refused. */
 void roburoc4_subscriptions_ask_declined(subscriptions *s);

@@ -33,9 +33,9 @@ typedef roburoc4_private_service service;
 #define CONTRADICTION_US (2 * SECOND)
 /* If statuses are less late than that, answers are believed after this long. */
 #define FORGIVEN_US (60 * SECOND)
-/* How late or early a status is has 32 bits: more than this is counted as this. */
+/* How late or early a status is, in 32 bits: at most this. */
 #define FAR_US (INT32_C(1) << 30)
-/* The same of how far clocks have drifted apart; less, so that it hides no other robot. */
+/* The same for drift; less, so that it hides no other robot. */
 #define MOST_DRIFT_US (UINT32_C(1) << 29)
 
 void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index, uint32_t period_ms) {

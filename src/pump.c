@@ -9,7 +9,7 @@
 #include <errno.h>
 #include <stdlib.h>
 
-/* In addition to the robot's watchdog, after which the client ends its stop sequence itself. */
+/* In addition to the longest stop sequence, which the client ends itself. */
 #define STOP_MARGIN_US 500000u
 /* The pause while the socket itself fails, so that the thread does not spin. */
 #define BROKEN_PACE_US 100000u
@@ -216,8 +216,8 @@ void roburoc4_pump_request_stop(roburoc4_pump *pump) {
 /* ---------------------------------------------------------------------------------- exit() --- */
 
 /* This process's pumps with a thread. Their locks are not taken here, because the caller of exit()
- * may hold them. In that case the thread cannot close, and exit() continues after the longest stop
- * sequence. */
+ * may hold them. In that case the thread cannot close, and exit() continues STOP_MARGIN_US after
+ * the longest stop sequence. */
 static roburoc4_lock living_lock = ROBUROC4_LOCK_INIT;
 static roburoc4_pump *living;
 static int64_t living_process;

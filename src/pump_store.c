@@ -10,7 +10,7 @@
 /* Samples copied per lock: a few microseconds. */
 #define CHUNK 64u
 
-/* A status that is older than this when it is received is from before a restart. */
+/* A status that is older than this when it is received counts as one from before a restart. */
 #define LATEST_US 10000000u
 
 /* ------------------------------------------------------------------------------------ lock --- */

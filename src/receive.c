@@ -282,8 +282,8 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     const pad_state pad = c->private_conditions.overridden ? PAD_HELD
                           : pad_is_released(c)             ? PAD_RELEASED
                                                            : PAD_NOT_SEEN;
-    c->private_events |= roburoc4_drive_status(d, &c->private_config, &v->differential, pad,
-                                               &c->private_link, c->private_timer.now_us);
+    roburoc4_drive_status(d, &c->private_config, &v->differential, pad, &c->private_link,
+                          c->private_timer.now_us, &c->private_events);
     if (d->stopping || d->armed != armed) {
         wake(c);
     }

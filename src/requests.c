@@ -32,8 +32,8 @@
 /* A robot that is known to echo ids must answer 0x01 after this many tries before it counts:
  * another robot may have answered. */
 #define DOUBT_AFTER (2 * MANUAL_ID_EVERY)
-/* Values of quiet, each of which includes the one before: what has to wait; ALL only in fixed-id
- * mode. */
+/* Values of quiet, each of which includes the one before: what has to wait. ALL holds back more
+ * than texts only in fixed-id mode. */
 enum { QUIET_NOTHING, QUIET_TEXTS, QUIET_ALL };
 /* Values of id_mode: which ids the robot has answered so far. If a robot that answered any may be
  * another one now, the next connection will tell. */

@@ -15,7 +15,7 @@
  * after this long. */
 #define DECLINED_US (30 * SECOND)
 /* A pose that was not sent within this time is sent only to a robot at rest; one that is accepted
- * after POSE_TAKEN_US counts only of such a robot. */
+ * after POSE_TAKEN_US counts only if the robot is at rest then, too. */
 #define POSE_US (50 * MS)
 /* A robot below these speeds, in m/s and rad/s, is at rest for a new pose; older statuses do not
  * show that it still is. */

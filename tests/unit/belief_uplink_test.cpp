@@ -193,6 +193,28 @@ TEST(Uplink, OfARobotThatKnowsOneIdIsWatchedByChangesOfTheTargetAlone) {
     EXPECT_GT(0, bench.drive_until_refused(0.3F, 0, 550 * ms));
 }
 
+/** Its watchdog sets the target to 0, which lies between targets of both signs that were sent. */
+TEST(Uplink, OfARobotThatKnowsOneIdIsNotProvenByTheZeroOfItsWatchdog) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    robot.watchdog_us = 300 * ms;
+    roburoc4_config config = default_config();
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
+    Armed bench(robot, config);
+    ASSERT_NO_FATAL_FAILURE(bench.driving(-0.5F, 0, second));
+    bench.drop_to_robot = everything;
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.3F, 0, 100 * ms));
+    EXPECT_GT(0, bench.drive_until_refused(-0.7F, 0, 450 * ms));
+}
+
+TEST(Uplink, IsProvenByAZeroThatWasSent) {
+    Armed bench;
+    for (int i = 0; i < 60; i++) {
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(i % 2 == 0 ? 0.3F : 0, 0)) << i;
+        bench.run(50 * ms);
+    }
+}
+
 TEST(Uplink, ThatLosesAFifthDisarmsNobody) {
     Armed bench;
     std::uint32_t random = 20261124;

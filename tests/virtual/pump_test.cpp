@@ -100,6 +100,14 @@ TEST_F(Pump, AMachineThatHangsSendsNoSpeedAfterwards) {
     EXPECT_EQ(robot_->first_zero_us(), awake_us + sys.delay_us);
 }
 
+TEST_F(Pump, AMachineThatHungLosesNoRobotWhoseStatusesWait) {
+    create_armed();
+    roburoc4_pump_reader reader{};
+    roburoc4_pump_reader_init(pump_, &reader);
+    stall_ms(2500);
+    EXPECT_EQ(roburoc4_pump_wait_events(pump_, &reader, ROBUROC4_EVENT_LOST, kSecond), 0);
+}
+
 TEST_F(Pump, WhoseThreadStarvesReceivesInThoseOfTheProgram) {
     create_driving();
     sys.starves = true;
@@ -368,6 +376,21 @@ TEST_F(Pump, ArmingTakesTheTimeThatItWasGivenAndNoMore) {
     EXPECT_GE(sys.now_us, began_us + 2 * kSecond);
     EXPECT_LE(sys.now_us, began_us + 4 * kSecond);
     EXPECT_EQ(on_client(pump_, roburoc4_client_drive, 0.5f, 0.0f, 0u), ROBUROC4_OK);
+}
+
+TEST_F(Pump, ArmingCountsTheTimeInWhichItWaitsForTheLock) {
+    robot_->silent = true;
+    create();
+    Thread other([&] {
+        (void)roburoc4_pump_lock(pump_);
+        sleep_ms(100);
+        roburoc4_pump_unlock(pump_);
+    });
+    sleep_ms(1);
+    const uint64_t began_us = sys.now_us;
+    EXPECT_EQ(roburoc4_pump_arm(pump_, 50000), ROBUROC4_ERR_NOT_READY);
+    EXPECT_EQ(sys.now_us, began_us + 99 * kMs);
+    other.join();
 }
 
 TEST_F(Pump, ArmingRefusesAtOnceWhatWaitingCannotChange) {
@@ -701,6 +724,21 @@ TEST_F(Pump, ExitWithTheLockHeldWaitsForOneStopSequenceAndHalfASecond) {
         roburoc4_pump_destroy(pump_);
         pump_ = nullptr;
     }
+}
+
+TEST_F(Pump, ExitWithTwoLocksHeldWaitsOnce) {
+    Robot second(60001);
+    create_armed();
+    const roburoc4_address address = second.address();
+    roburoc4_pump *other = roburoc4_pump_create(&address, &config_, 0, nullptr, nullptr);
+    (void)roburoc4_pump_lock(pump_);
+    (void)roburoc4_pump_lock(other);
+    const uint64_t asked_us = sys.now_us;
+    run_exit_handlers();
+    EXPECT_LE(sys.now_us, asked_us + 1510 * kMs);
+    roburoc4_pump_unlock(other);
+    roburoc4_pump_unlock(pump_);
+    roburoc4_pump_destroy(other);
 }
 
 TEST_F(Pump, ExitHasNothingToDoAfterDestroy) {

@@ -554,6 +554,27 @@ void hide_standing(Datagram &datagram, std::uint64_t) {
     datagram.put_f32_at(current_w_at, datagram.f32_at(target_w_at));
 }
 
+/** Sees that the robot stands once it has for 5 s. */
+class SeesStandingLate : public Wrapper {
+  protected:
+    void change_received(Datagram &datagram, std::uint64_t now) override {
+        if (!is_differential(datagram))
+            return;
+        const std::uint64_t cycles = datagram.u64_at(3);
+        const bool stands = std::fabs(datagram.f32_at(current_v_at)) < 0.005F &&
+                            std::fabs(datagram.f32_at(current_w_at)) < 0.005F;
+        if (!stands || !stood_)
+            since_ = cycles;
+        stood_ = stands;
+        if (stands && cycles - since_ < 500)
+            hide_standing(datagram, now);
+    }
+
+  private:
+    bool stood_ = false;
+    std::uint64_t since_ = 0;
+};
+
 void shake(Datagram &datagram, std::uint64_t) {
     if (!is_differential(datagram))
         return;
@@ -642,6 +663,7 @@ const std::vector<Fault> &faults() {
         {Promise::spacing, "sends each command twice", a<SendsTwice>()},
         {Promise::other_commander_disarms, "does not see others", receiving(hide_targets)},
         {Promise::follows_or_disarmed, "does not see that it stands", receiving(hide_standing)},
+        {Promise::follows_or_disarmed, "sees late that it stands", a<SeesStandingLate>()},
         {Promise::healthy_stays_armed, "disarms for nothing", a<DisarmsForNothing>()},
         {Promise::target_must_appear, "sees what it sent", a<SeesWhatItSent>()},
         {Promise::late_uplink_disarms, "is blind to the uplink", a<BlindToTheUplink>()},

@@ -171,8 +171,7 @@ class Oracle {
         bool off = false, counted = false;
         std::uint64_t since_us = 0; /* and the target is the same since then */
         float target = 0;
-        std::uint64_t still_since_us = 0;
-        int still = 0; /* statuses */
+        std::uint64_t stamp = 0, still_cycles = 0;
     };
     /** An axis that went along with its target, and then against it. */
     struct Swing {

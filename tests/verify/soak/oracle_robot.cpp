@@ -34,10 +34,9 @@ bool searching(const Report &report) {
     return report.state == ROBUROC4_STATE_CONNECTING || report.state == ROBUROC4_STATE_DISCOVERING;
 }
 
-/* A robot that stands is noticed within a second once its average is at rest, too; where statuses
- * are rare, each counts for 0.3 s at most. */
-constexpr std::uint64_t still_us = 2500000;
-constexpr int still_statuses = 8;
+/* By the robot's clock, as far as statuses come (SAFETY.md). */
+constexpr std::uint64_t still_cycles = 330;
+constexpr std::uint64_t most_cycles = 30;
 constexpr float clear_target = 0.4F;
 constexpr float no_motion = 0.005F;
 
@@ -260,6 +259,7 @@ void Oracle::watch_other_commander(Moment now, const Datagram &datagram) {
 /* Far from the target, for longer than any member of the family needs to reach it. */
 void Oracle::watch_axis(Moment now, const Datagram &datagram, Axis &axis, float target,
                         float current) {
+    const std::uint64_t stamp = datagram.u64_at(3);
     const float size = std::fabs(target);
     const float along = target < 0 ? -current : current;
     const bool slow = size >= 0.05F && !(along >= 0.2F * size);
@@ -269,17 +269,16 @@ void Oracle::watch_axis(Moment now, const Datagram &datagram, Axis &axis, float 
     const bool off = watched && (slow || fast);
     const bool same = std::fabs(target - axis.target) <= 0.1F * size;
     if (!off || !axis.off || !same) {
-        axis = {off, false, now.true_us, target, now.true_us, 0};
+        axis = {off, false, now.true_us, target, stamp, 0};
         return;
     }
     const std::uint64_t since = now.true_us - axis.since_us;
-    if (!(std::fabs(current) <= no_motion)) {
-        axis.still_since_us = now.true_us;
-        axis.still = 0;
-    } else if (++axis.still >= still_statuses && size >= clear_target &&
-               now.true_us - axis.still_since_us >= still_us) {
+    axis.still_cycles = std::fabs(current) <= no_motion
+                            ? axis.still_cycles + std::min(stamp - axis.stamp, most_cycles)
+                            : 0;
+    axis.stamp = stamp;
+    if (axis.still_cycles >= still_cycles && size >= clear_target)
         disarm(now, Promise::follows_or_disarmed);
-    }
     if (since >= 500000 && !axis.counted) {
         axis.counted = true;
         reach(std::isnan(current) ? Reached::not_a_number
