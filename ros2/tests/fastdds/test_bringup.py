@@ -73,11 +73,12 @@ def test_the_parameters_in_the_file_are_those_that_there_are(tmp_path: Path) -> 
     assert len(named) >= 12
     file = tmp_path / "all.yaml"
     file.write_text(all_of_them)
+    (tmp_path / "robot.txt").write_text("[inputs]\noverride_index = 10\n")
     check = (
         "import sys; from roburoc4_ros2.ros_args import read; "
         "print(read(['--ros-args', '--params-file', sys.argv[1]], ''))"
     )
-    subprocess.run([sys.executable, "-c", check, str(file)], check=True)
+    subprocess.run([sys.executable, "-c", check, str(file)], check=True, cwd=tmp_path)
 
 
 def test_the_description_has_the_mass_and_the_frames_of_the_robot() -> None:
