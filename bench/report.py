@@ -19,7 +19,7 @@ figure divided by roburoc4's.
 SHOWN = {
     "codec": "(de|en)code differential",
     "client_cost": "(?!.*recorded).*",
-    "footprint": "codec of six.*|firmware.*|the same.*|a metre.*|a client's.*",
+    "footprint": "codec of six.*|firmware.*|the same.*|and without.*|a metre.*|a client's.*",
     "footprint_peers": ".*",
     "checks": ".*",
     "python": "decode to an object|batch decode, one.*|import|installed",

@@ -839,6 +839,7 @@ void *virtual_calloc(size_t count, size_t size) {
     auto *block = static_cast<char *>(std::calloc(1, count * size + sizeof guard));
     memcpy(block + count * size, guard, sizeof guard);
     block_sizes[block] = count * size;
+    sys.blocks++;
     return block;
 }
 
@@ -855,6 +856,7 @@ void virtual_free(void *pointer) {
             std::abort();
         }
         block_sizes.erase(block);
+        sys.blocks--;
     }
     std::free(pointer);
     errno = EIO; /* as old C libraries may */

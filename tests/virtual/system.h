@@ -57,6 +57,7 @@ struct System {
     /* threads */
     bool lock_fails = false, signal_fails = false, wake_fails = false, thread_fails = false;
     int allocations = INT_MAX; /* that succeed from now on */
+    int blocks = 0;            /* of memory, existing */
     int locks = 0, signals = 0, wakes = 0, threads = 0, sockets = 0, files_open = 0; /* existing */
     int parents_locks_taken = 0; /* by a forked child */
     bool starves = false; /* no thread that the code under test started runs; those of tests do */
