@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -163,6 +164,7 @@ TEST(LcmOptions, WithoutAUrlLcmsOwnVariableHolds) {
     setenv("LCM_DEFAULT_URL", "tcpq://host", 1);
     EXPECT_EQ(0U, read({}).error.find("LCM_DEFAULT_URL tcpq://host: the bridge has no such"));
     EXPECT_EQ(OPTIONS_RUN, read({"-l", "memq://"}).result);
+    EXPECT_EQ(0U, read({"-l", "tcpq://host"}).error.find("--lcm-url tcpq://host: the bridge"));
     setenv("LCM_DEFAULT_URL", "udpm://?ttl=1", 1);
     EXPECT_EQ(0U, printed(read({})).find("network: udpm://?ttl=1\n"));
     unsetenv("LCM_DEFAULT_URL");
@@ -283,7 +285,9 @@ TEST(LcmOptions, RejectInvalidValuesAndNameThem) {
     for (const auto &each : cases) {
         const Read r = read(each.arguments);
         EXPECT_EQ(OPTIONS_BAD, r.result) << each.named;
-        EXPECT_NE(std::string::npos, r.error.find(each.named)) << r.error;
+        const std::size_t at = r.error.find(each.named);
+        ASSERT_NE(std::string::npos, at) << r.error;
+        EXPECT_EQ(0, std::isdigit(r.error[at + std::strlen(each.named)])) << r.error;
         EXPECT_LT(r.error.size() + 1, static_cast<std::size_t>(OPTIONS_ERROR_SIZE)) << r.error;
     }
 }

@@ -1454,6 +1454,7 @@ TEST_F(Bridge, ItsChannelsMayHaveAnyNames) {
 TEST_F(Bridge, AnLcmThatCannotSendIsLoggedOnceUntilItCanAgain) {
     testing::internal::CaptureStderr();
     start({"--verbose"});
+    sleep_ms(200);
     EXPECT_EQ(lines_with(testing::internal::GetCapturedStderr(), "LCM cannot"), 0u);
     testing::internal::CaptureStderr();
     const auto errors = [] { return statistics()->publish_errors; };
