@@ -6,8 +6,9 @@ include = fullfile(root, '..', '..', 'include');
 header = [fileread(fullfile(include, 'roburoc4_codec.h')), fileread(fullfile(include, 'roburoc4.h'))];
 same('BatteryState', header, 'BATTERY', '\d+', {'NOT_KNOWN'});
 same('LocalizationFlag', header, 'LOCALIZATION', '0x\w+', {});
-same('Result', header, 'ERR', '\(-[23]\d\)', {'OK'});
+same('Result', header, 'ERR', '\(-[23]\d\)', {'OK', 'CLOSED'});
 check(roburoc4.Result.OK == 0 && roburoc4.BatteryState.NOT_KNOWN == 255, 'those of this package');
+check(~isempty(strfind(header, sprintf('ERR_CLOSED (%d)', roburoc4.Result.CLOSED))), 'CLOSED');
 end
 
 function same(name, header, prefix, value, others)
