@@ -19,9 +19,9 @@ figure divided by roburoc4's.
 SHOWN = {
     "codec": "(de|en)code differential",
     "client_cost": "(?!.*recorded).*",
-    "footprint": "codec of six.*|firmware.*|the same.*|and without.*|a metre.*|a client's.*",
+    "footprint": "firmware.*|the same.*|and without.*|a metre.*|a client's.*",
     "footprint_peers": ".*",
-    "checks": ".*",
+    "checks": "histories.*|that takes|.*lwIP.*",
     "python": "decode to an object|batch decode, one.*|import|installed",
     "matlab": r"r\.drive\(.*|s = r\.status.*",
     "lcm": "status.*p50|processor, [^r]*robots? as.*",
