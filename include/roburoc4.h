@@ -340,8 +340,8 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
  *  roburoc4_pump_arm() waits for it.
  *
  *  ARM ONLY WHEN A PERSON ASKS FOR IT. Arming succeeds while an emergency stop is pressed (no
- * status reports it): a program that arms again after each disarm sets the robot off when the stop
- * is released. */
+ *  status reports it): a program that arms again after each disarm sets the robot off when the
+ *  stop is released. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client,
                                                                      uint64_t now_us);
 /** 1 if a reason against arming may go away by itself (no answer or status yet, the robot still
@@ -368,7 +368,7 @@ ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_
 /** Stop the robot, and disarm: end the lease and send a stop sequence, armed or not, now or as soon
  *  as the differential service is known. drive() is refused (ROBUROC4_ERR_STOP_CALLED) until
  *  somebody calls arm() again. ROBUROC4_ERR_STATE if idle or closing: then nothing is to be
- * stopped, and nothing changes. */
+ *  stopped, and nothing changes. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_stop(roburoc4_client *client,
                                                                       uint64_t now_us);
 /** As stop(), but stay armed: the program's own end of driving, after which it may drive() again.

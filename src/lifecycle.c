@@ -201,8 +201,7 @@ void roburoc4_lifecycle_see_time(client *c, uint64_t now_us) {
 /* ---- init, start, close ---- */
 
 roburoc4_result roburoc4_client_init(client *c, size_t client_size, const roburoc4_config *config) {
-    memset(c, 0,
-           client_size < sizeof *c ? client_size : sizeof *c); /* so it is idle if used anyway */
+    memset(c, 0, client_size < sizeof *c ? client_size : sizeof *c); /* idle, if used anyway */
     if (client_size != sizeof *c) {
         return ROBUROC4_ERR_SIZE;
     }

@@ -130,7 +130,7 @@ def main() -> int:
     parser.add_argument("--link", default="", help="what they need, to link them with")
     parser.add_argument("--sample", type=int, default=200, help="changes to try")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--at-least", type=float, default=0, help="per cent that are to be noticed")
+    parser.add_argument("--at-least", type=float, default=0, help="per cent that must be noticed")
     parser.add_argument("sources", type=Path, nargs="+")
     options = parser.parse_args()
 

@@ -35,7 +35,7 @@ class Pump : public testing::Test {
     ~Pump() override {
         sys.starves = false;
         roburoc4_pump_destroy(pump_);
-        EXPECT_EQ(sys.locks + sys.signals + sys.wakes + sys.threads + sys.sockets + sys.blocks, 0);
+        EXPECT_EQ(left(), 0);
         EXPECT_FALSE(sys.waited_with_lock);
     }
     roburoc4_pump *create() {
@@ -1059,7 +1059,7 @@ TEST_F(Pump, WhatTheSystemRefusesLeavesNothingBehind) {
         EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, nullptr, &result), nullptr);
         EXPECT_EQ(result, ROBUROC4_ERR_SYSTEM);
         EXPECT_TRUE(errno == EAGAIN || !sys.thread_fails) << "why";
-        EXPECT_EQ(sys.locks + sys.signals + sys.wakes + sys.threads + sys.sockets + sys.blocks, 0);
+        EXPECT_EQ(left(), 0);
         *fails = false;
     }
     sys.socket_fault = ROBUROC4_FAULT_DENIED;

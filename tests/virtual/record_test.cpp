@@ -39,7 +39,7 @@ class Record : public testing::Test {
     }
     ~Record() override {
         close();
-        EXPECT_EQ(sys.locks + sys.signals + sys.threads + sys.files_open + sys.blocks, 0);
+        EXPECT_EQ(left(), 0);
         EXPECT_FALSE(sys.waited_with_lock);
     }
     roburoc4_recorder *open(const char *path = "run.pcapng") {
@@ -558,7 +558,7 @@ TEST_F(Record, WhatCannotBeginLeavesNothingBehind) {
         EXPECT_EQ(result, ROBUROC4_ERR_SYSTEM);
         EXPECT_EQ(errno, error);
         EXPECT_EQ(sys.now_us, before_us);
-        EXPECT_EQ(sys.locks + sys.signals + sys.threads + sys.files_open + sys.blocks, 0);
+        EXPECT_EQ(left(), 0);
     };
     sys.create_error = EACCES;
     fails(EACCES);

@@ -21,6 +21,11 @@ namespace virtual_system {
 
 System sys;
 
+int left() {
+    return sys.locks + sys.signals + sys.wakes + sys.threads + sys.sockets + sys.files_open +
+           sys.blocks;
+}
+
 /* ------------------------------------------------------------------------------- scheduler --- */
 
 namespace {

@@ -84,6 +84,9 @@ struct System {
 };
 extern System sys;
 
+/* Locks, threads, sockets, blocks of memory and the like that were not given back. */
+int left();
+
 /* A new system; the calling thread is its first. The old one must have no threads. */
 void begin();
 

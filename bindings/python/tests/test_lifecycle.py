@@ -181,9 +181,9 @@ def test_after_a_fork_only_the_parents_object_works(served: Simulator, start: St
         "            except (roburoc4.ClosedError, StopIteration):\n"
         "                continue\n"
         "            os._exit(1)\n"
-        "    robot.close()\n"
-        "    assert robot.closed and 'closed' in repr(robot)\n"
-        "    sys.exit(0)\n"  # which closes what is still open
+        "        mine.close()\n"
+        "        assert mine.closed and 'closed' in repr(mine)\n"
+        "    sys.exit(0)\n"  # what was registered for the end runs in the child, too
         "code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])\n"
         "robot.drive_for(0.1, 0, 0.2)\n"
         "sys.exit(code)\n"

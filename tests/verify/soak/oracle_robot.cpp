@@ -34,9 +34,9 @@ bool searching(const Report &report) {
     return report.state == ROBUROC4_STATE_CONNECTING || report.state == ROBUROC4_STATE_DISCOVERING;
 }
 
-/* By the robot's clock, as far as statuses come (SAFETY.md). */
-constexpr std::uint64_t still_cycles = 330;
-constexpr std::uint64_t most_cycles = 30;
+/* A robot that stands is noticed by its own clock, as far as statuses come (SAFETY.md). */
+constexpr std::uint64_t noticed_cycles = 330;
+constexpr std::uint64_t cycles_of_a_status = 30; /* at most */
 constexpr float clear_target = 0.4F;
 constexpr float no_motion = 0.005F;
 
@@ -274,10 +274,10 @@ void Oracle::watch_axis(Moment now, const Datagram &datagram, Axis &axis, float 
     }
     const std::uint64_t since = now.true_us - axis.since_us;
     axis.still_cycles = std::fabs(current) <= no_motion
-                            ? axis.still_cycles + std::min(stamp - axis.stamp, most_cycles)
+                            ? axis.still_cycles + std::min(stamp - axis.stamp, cycles_of_a_status)
                             : 0;
     axis.stamp = stamp;
-    if (axis.still_cycles >= still_cycles && size >= clear_target)
+    if (axis.still_cycles >= noticed_cycles && size >= clear_target)
         disarm(now, Promise::follows_or_disarmed);
     if (since >= 500000 && !axis.counted) {
         axis.counted = true;

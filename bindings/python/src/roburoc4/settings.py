@@ -26,7 +26,8 @@ class Settings(TypedDict, total=False):
     lapse_disarm_ms: int
     """Disarm if a lease expired and was not renewed for this long; 0 to 60000; 1000."""
     drive_period_ms: int
-    """Repeats a command; 10 to 500, at most half of ``lease_ms``, ``robot_watchdog_ms``; 50."""
+    """Period of drive commands; 10 to 500, at most half of ``lease_ms``
+    and of ``robot_watchdog_ms``; 50."""
     fresh_ms: int
     """Maximum age of a status that counts for driving; 50 to 1000; 300."""
     lost_ms: int
