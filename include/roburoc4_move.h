@@ -155,7 +155,7 @@ typedef struct roburoc4_move {
     uint8_t private_driven, private_turned, private_rested, private_quiet_cycles, private_fallen,
         private_unmeasured, private_stood_cycles;
     int8_t private_side, private_rolled;
-    uint8_t private_unused, private_stopping, private_suspect, private_pose_gap;
+    uint8_t private_pose_same, private_stopping, private_suspect, private_pose_gap;
     float private_peak,
         private_told;            /* the highest speed, measured and proposed, until it brakes */
     float private_patience_s;    /* left to wait until the robot does not swing any more */

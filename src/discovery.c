@@ -431,8 +431,8 @@ bool roburoc4_discovery_next_text(const discovery *d, const requests *r, const i
     static const uint8_t order[] = {
         LIST_DIRECTORY,           ROBUROC4_IO_DIGITAL_INPUT,  LIST_DIRECTORY,
         ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_IO_DIGITAL_OUTPUT, ROBUROC4_IO_ANALOG_OUTPUT};
-    static const uint8_t searched[] = {1, 2, sizeof order}; /* by choice */
-    for (uint32_t i = 0; i < searched[choice]; i++) {
+    static const uint8_t lists[] = {1, 2, sizeof order}; /* by choice */
+    for (uint32_t i = 0; i < lists[choice]; i++) {
         const uint8_t list = order[i];
         const uint32_t length = list_length(d, io_counts, list);
         const uint64_t passed = d->described[list] | d->given_up[list];

@@ -492,13 +492,14 @@ static bool both_zero(const float *values) {
  * old one again proves nothing, unless it was sent again; nor does a zero between others, as it may
  * be that of the robot's watchdog. */
 static bool shows_new_target(const drive *d, const float *reported) {
-    bool between = false;
+    bool beside_zero = false;
     for (uint32_t axis = 0; axis < AXES; axis++) {
-        between = between || (!nearly_zero(d->echo_low[axis]) && !nearly_zero(d->echo_high[axis]));
+        beside_zero =
+            beside_zero || (!nearly_zero(d->echo_low[axis]) && !nearly_zero(d->echo_high[axis]));
     }
     return both_near(reported, d->sent, d->sent) ||
            (both_near(reported, d->echo_low, d->echo_high) &&
-            !both_near(reported, d->echoed, d->echoed) && !(between && both_zero(reported)));
+            !both_near(reported, d->echoed, d->echoed) && !(beside_zero && both_zero(reported)));
 }
 
 /** While driving, what is sent must appear among the reported targets. */

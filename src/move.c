@@ -38,6 +38,8 @@ static const float rolling_speed[BOTH] = {0.1F, 0.2F};
 static const float disagreement[BOTH] = {0.15F, 0.26F};
 #define DISAGREEMENT_SHARE 0.2F
 #define LAGGING_S 2.0F
+/* Robots measure their pose at least so often. */
+#define REPEATED_MOST_S 0.3F
 /* A robot so far beside its line or arc, or so far turned from it, is off its course. */
 #define STRAY_M 0.5F
 #define STRAY_RAD 1.0F
@@ -380,6 +382,15 @@ static float factor(float true_per_pose) {
     return is_zero(true_per_pose) || !is_finite(true_per_pose) ? 1 : true_per_pose;
 }
 
+/** How far a pose may be from the last one: what may be commanded at any moment, and what the robot
+ * drove while the pose was repeated. */
+static float explained(const roburoc4_move *m, uint32_t axis, float passed_s) {
+    const float speed = magnitude(m->private_speed[axis]);
+    const float repeated_s = lesser(seconds_in(m->private_pose_same), REPEATED_MOST_S);
+    return disagreement[axis] +
+           1.5F * (passed_s * (m->private_limit[axis] + speed) + repeated_s * speed);
+}
+
 /** Follow the pose, and say what is new in it; false if it jumped by more than any speed explains.
  */
 static bool note_pose(roburoc4_move *m, const roburoc4_move_view *v, roburoc4_move_news *news) {
@@ -396,13 +407,9 @@ static bool note_pose(roburoc4_move *m, const roburoc4_move_view *v, roburoc4_mo
         const float heading = unfixed(m->private_pose[2]) + 0.5F * turned;
         const float ahead = sine_of(heading + PI_F / 2), left = sine_of(heading);
         const float distance_m = x * ahead + y * left, across_m = y * ahead - x * left;
-        const float most_m =
-            disagreement[LENGTH] +
-            1.5F * passed_s * (m->private_limit[LENGTH] + magnitude(m->private_speed[LENGTH]));
-        const float most_rad =
-            disagreement[ANGLE] +
-            1.5F * passed_s * (m->private_limit[ANGLE] + magnitude(m->private_speed[ANGLE]));
-        if (beyond(distance_m, most_m) || beyond(across_m, most_m) || beyond(turned, most_rad)) {
+        const float most_m = explained(m, LENGTH, passed_s);
+        if (beyond(distance_m, most_m) || beyond(across_m, most_m) ||
+            beyond(turned, explained(m, ANGLE, passed_s))) {
             return false;
         }
         cover(m, distance_m * m->private_per_pose[LENGTH], across_m * m->private_per_pose[LENGTH],
@@ -412,6 +419,7 @@ static bool note_pose(roburoc4_move *m, const roburoc4_move_view *v, roburoc4_mo
     news->prompt = !repeated && passed <= m->private_pose_gap + 1U;
     news->ahead_s = seconds_in((uint32_t)(v->pose_cycles - m->private_speed_cycles));
     note_gap(m, passed);
+    m->private_pose_same = repeated ? count_on(m->private_pose_same, passed) : 0;
     m->private_pose_cycles = v->pose_cycles;
     memcpy(m->private_pose, pose, sizeof pose);
     return true;

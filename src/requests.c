@@ -332,15 +332,15 @@ static bool only_manual_id(slot *s) {
 }
 
 void roburoc4_requests_be_quiet(requests *r, const slot *s, uint32_t now_us) {
-    uint32_t wait_us = QUIET_US;
+    uint32_t quiet_us = QUIET_US;
     if (s != NULL && s->tries > 1) {
         const uint32_t took_us = now_us - s->sent_us;
-        wait_us = at_most(s->wait_us, MAX_WAIT_US);
-        if (took_us > wait_us) {
-            wait_us = at_most(took_us, LONGEST_QUIET_US);
+        quiet_us = at_most(s->wait_us, MAX_WAIT_US);
+        if (took_us > quiet_us) {
+            quiet_us = at_most(took_us, LONGEST_QUIET_US);
         }
     }
-    wait_for_copies(r, QUIET_ALL, wait_us, now_us);
+    wait_for_copies(r, QUIET_ALL, quiet_us, now_us);
 }
 
 /** Wait twice the slowest recent answer before the next text: the right one may come after the one

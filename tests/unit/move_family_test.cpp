@@ -605,6 +605,22 @@ TEST_F(MoveFault, AJumpOfThePoseEndsIt) {
     EXPECT_LT(drove(), 1.5);
 }
 
+/** Measured each 0.2 s and sent each 10 ms, a pose stands, and then jumps by 20 cm at 1 m/s. */
+TEST_F(MoveFault, APoseThatIsMeasuredSeldomAndSentOftenDoesNotJump) {
+    std::uint64_t state = drawn_seed();
+    for (int i = 0; i < 60; i++) {
+        family_member member = family_member_drawn(&state);
+        member.loss = member.noise_m_s = 0;
+        member.odometry_ms = 150 + 10 * static_cast<std::uint32_t>(family_random(&state) % 6);
+        family_prepare(&rig, &member, state);
+        rig.pose_ms = 10;
+        arm();
+        options.max_linear_m_s = 1;
+        options.max_angular_rad_s = 1.5F;
+        EXPECT_EQ(ROBUROC4_MOVE_REACHED, i % 4 < 3 ? by(5, 0) : by(0, 5)) << i;
+    }
+}
+
 TEST_F(MoveFault, APoseThatIsSilentForAWhileCostsNoAccuracy) {
     arm();
     double furthest_m = 0;
