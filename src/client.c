@@ -3,7 +3,7 @@
  * In which order a client sends (zeros and speeds, outputs, requests), after which silence the
  * robot is lost, and when the client must be called again.
  */
-#include "internal.h"
+#include "lifecycle.h"
 
 /* A client that is not ready starts over after a silence this long. */
 #define PATIENCE_US (5 * SECOND)

@@ -3,7 +3,7 @@
  * The calls that change something: arm and drive, outputs, a new pose, subscriptions, roles.
  */
 #include "bytes.h"
-#include "internal.h"
+#include "lifecycle.h"
 
 #define OUTPUT_REPEATS 3
 /* Two turns; beyond them, an angle is taken for degrees. */

@@ -4,7 +4,7 @@
  * The texts are separate, so that a linker leaves them out of programs that do not use them.
  */
 #include "bytes.h"
-#include "internal.h"
+#include "machines.h"
 
 typedef struct setting {
     uint16_t offset, low, high, preset;

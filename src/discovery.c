@@ -3,7 +3,7 @@
  * Discovery: which id on the wire is which service, which input is the game pad's [A], and which
  * texts are still missing. Nothing is sent here: schedule.c sends the requests.
  */
-#include "internal.h"
+#include "machines.h"
 
 /* Only this much of a text is searched, as it may be as long as a datagram. */
 #define TEXT_SEARCHED 255U

@@ -4,7 +4,7 @@
  * that decides which speeds are sent, and it does so in one function, roburoc4_drive_poll().
  */
 #include "bytes.h"
-#include "internal.h"
+#include "machines.h"
 
 /* A changed target is sent at once, but not more often than the robot's cycle. */
 #define SPACING_US ROBUROC4_CYCLE_US

@@ -8,7 +8,7 @@
  * comes back in a few seconds. Numbers are fixed-point, as most targets have no floats.
  */
 #include "bytes.h"
-#include "internal.h"
+#include "machines.h"
 
 #define FIXED_BITS 16
 #define ONE (INT32_C(1) << FIXED_BITS)

@@ -2,7 +2,7 @@
  *
  * A client's life from init to close: its states, what ends with them, and its clock.
  */
-#include "internal.h"
+#include "lifecycle.h"
 
 /* The layout of a struct that callers declare is part of the ABI. */
 #define LAYOUT(name, condition) typedef char assert_##name[(condition) ? 1 : -1]

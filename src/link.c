@@ -3,7 +3,7 @@
  * The link: order, loss and jitter of statuses; mapping of the robot's clock; detection of
  * restarts.
  */
-#include "internal.h"
+#include "machines.h"
 
 typedef roburoc4_private_service service;
 

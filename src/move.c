@@ -3,7 +3,7 @@
  * Moves: their legs, what they need to see, and how they end. move_axis.c knows which speed to
  * command, move_client.c asks the client.
  */
-#include "move_internal.h"
+#include "move_axis.h"
 
 /* Turn rate per heading error, and heading per distance from the line. */
 #define STEER_1_S 0.4F

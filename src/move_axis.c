@@ -16,7 +16,7 @@
  * They also know how far the gain is in doubt: the more it is, the earlier a move brakes, and makes
  * up for it afterwards.
  */
-#include "move_internal.h"
+#include "move_axis.h"
 
 enum { GAIN, LAG, BEND, DELAY, OFFSET, FITS };
 enum { COMMANDED, COVERED, SIGNALS };

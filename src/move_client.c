@@ -2,7 +2,7 @@
  *
  * Moves of a client: what they see of it, and what they ask of it.
  */
-#include "move_internal.h"
+#include "move_axis.h"
 
 static bool usable(const roburoc4_localization_status *pose) {
     return finite_f64_bits(bits_from_f64(pose->x_m)) && finite_f64_bits(bits_from_f64(pose->y_m)) &&

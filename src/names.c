@@ -3,7 +3,7 @@
  * Names: numbers to text, and the channels of a robot's IO card by name. Nothing else of the core
  * uses this file, so a linker leaves it out of programs that use no names.
  */
-#include "internal.h"
+#include "machines.h"
 
 /** Entry `index` of a list of texts separated by NUL, which needs no pointers; NULL beyond the
  * last. */

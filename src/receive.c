@@ -4,7 +4,7 @@
  * machine; answers go to the request to which they belong.
  */
 #include "bytes.h"
-#include "internal.h"
+#include "lifecycle.h"
 
 /* An answer that takes longer counts as lost. */
 #define LATE_ANSWER_US SECOND

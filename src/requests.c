@@ -5,7 +5,7 @@
  * recognised after three tries and served one request at a time. A bad link can look like such a
  * robot: the probe of the directory tries another id first, and an answer to it ends the mode.
  */
-#include "internal.h"
+#include "machines.h"
 
 #define SLOTS 4
 #define MAX_WAIT_US SECOND

@@ -3,7 +3,7 @@
  * Robot files: one table of names serves reader, writer and configuration.
  */
 #include "bytes.h"
-#include "internal.h"
+#include "machines.h"
 #include "roburoc4_robot_file.h"
 
 typedef struct row {

@@ -4,7 +4,7 @@
  * probe; the consequences of a failed request; and when a state has nothing left to wait for.
  */
 #include "bytes.h"
-#include "internal.h"
+#include "lifecycle.h"
 
 /* A probe is given up after 1.5 s (at the default first_retry_ms). */
 #define PROBE_TRIES 4

@@ -7,7 +7,7 @@
  * the robot accepted it; `declined` when it refused, until it is asked again; `denied` when it
  * refused, until it accepts; `leaving` until the robot has confirmed the end.
  */
-#include "internal.h"
+#include "machines.h"
 
 #define FIRST_STATUS_SERVICE ROBUROC4_SERVICE_IOCARD
 

@@ -9,7 +9,7 @@
 #include <string>
 
 extern "C" {
-#include "../../src/internal.h"
+#include "../../src/machines.h"
 }
 
 namespace {

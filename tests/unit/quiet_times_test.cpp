@@ -9,7 +9,7 @@
 #include <random>
 
 extern "C" {
-#include "../../src/internal.h"
+#include "../../src/machines.h"
 }
 
 namespace {

@@ -7,7 +7,7 @@
  * interruption, a stop and the end of the time end it; nothing but arming arms. Never compiled.
  */
 #include "bytes.h"
-#include "internal.h"
+#include "machines.h"
 
 /* WP's memory model has no bytes of floats, so what copying and clearing do is stated here. */
 /*@ requires \valid(to + (0 .. 1)) && \valid_read(from + (0 .. 1));

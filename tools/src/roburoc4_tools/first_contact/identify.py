@@ -6,8 +6,10 @@ import re
 import struct
 from itertools import pairwise
 
+from roburoc4.constants import CYCLE_S
+
 from . import wire
-from .session import ANSWER_S, CYCLE_S, Session, SilentError, UnsafeError
+from .session import ANSWER_S, Session, SilentError, UnsafeError
 
 _TEXT_S = 3.5
 _HEARD_S = 1.5

@@ -4,8 +4,10 @@
 import statistics
 from itertools import pairwise
 
+from roburoc4.constants import CYCLE_S
+
 from . import wire
-from .session import ANSWER_S, CYCLE_S, MissedError, Session, UnsafeError
+from .session import ANSWER_S, MissedError, Session, UnsafeError
 
 _REQUESTS = 100
 _EVERY_S = 0.05

@@ -5,15 +5,14 @@ import math
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
+
+from roburoc4.constants import CYCLE_S
 
 from . import wire
+from .response import Response
 from .world import World
 
-if TYPE_CHECKING:
-    from .response import Response
-
-CYCLE_S = 0.01
 COMMAND_S = 0.05
 MAX_M_S, MAX_RAD_S = 0.6, 1.2
 """No command of these steps is faster, but for one that is sent while there is no motor power."""

@@ -6,6 +6,8 @@ import struct
 from functools import partial
 from itertools import pairwise
 
+from roburoc4.constants import CYCLE_S
+
 from . import wire
 from .identify import restart
 from .network import hear_clock, keep_clock, restarted
@@ -13,7 +15,6 @@ from .response import Response, fit, simulate
 from .session import (
     ANSWER_S,
     COMMAND_S,
-    CYCLE_S,
     MAX_M_S,
     MAX_RAD_S,
     STOP_S,

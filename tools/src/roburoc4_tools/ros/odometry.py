@@ -5,13 +5,12 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from roburoc4.constants import LocalizationFlag
+from roburoc4.constants import CYCLE_S, LocalizationFlag
 from roburoc4.records import DifferentialStatus, LocalizationStatus
 
 from .cdr import Cdr
 
 _UNRELIABLE = LocalizationFlag.INVALID | LocalizationFlag.ERROR
-_CYCLE_S = 0.01
 
 
 class Frames(NamedTuple):
@@ -243,7 +242,7 @@ class Odometry:
             )
 
     def _jumped(self, last: LocalizationStatus, status: LocalizationStatus) -> bool:
-        passed_s = (status.robot_cycles - last.robot_cycles) * _CYCLE_S
+        passed_s = (status.robot_cycles - last.robot_cycles) * CYCLE_S
         m_s, rad_s = _FASTEST_M_S, _FASTEST_RAD_S
         if self._speeds is not None and passed_s <= _GAP_S:
             m_s = abs(self._speeds.current_linear_m_s)

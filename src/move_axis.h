@@ -2,8 +2,8 @@
  *
  * What the files of the moves share: arithmetic without libm, and the control of one axis.
  */
-#ifndef ROBUROC4_MOVE_INTERNAL_H
-#define ROBUROC4_MOVE_INTERNAL_H
+#ifndef ROBUROC4_MOVE_AXIS_H
+#define ROBUROC4_MOVE_AXIS_H
 
 #include "bytes.h"
 #include "roburoc4_move.h"
