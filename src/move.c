@@ -98,30 +98,34 @@ static bool limits(float most) {
     return is_finite(most) && positive(most);
 }
 
-static roburoc4_result checked(const roburoc4_move *m) {
+static bool options_valid(const roburoc4_move_options *o) {
+    return is_finite(o->clearance_m) && !negative(o->clearance_m) && limits(o->max_linear_m_s) &&
+           limits(o->max_angular_rad_s) && limits(o->max_linear_m_s2) &&
+           limits(o->max_angular_rad_s2);
+}
+
+/** Speeds beyond any RobuROC4, or degrees. */
+static bool units_mistaken(const roburoc4_move *m) {
     const roburoc4_move_options *o = &m->private_options;
-    const float most[] = {o->max_linear_m_s, o->max_angular_rad_s, o->max_linear_m_s2,
-                          o->max_angular_rad_s2};
-    bool valid = is_finite(o->clearance_m) && !negative(o->clearance_m);
-    for (uint32_t i = 0; i < sizeof most / sizeof *most; i++) {
-        valid = valid && limits(most[i]);
-    }
-    if (!valid) {
-        return ROBUROC4_ERR_ARGUMENT;
-    }
     const float length = m->private_goal[LENGTH], angle = m->private_goal[ANGLE];
     const bool speeds = m->private_kind == FOR;
+    return beyond(speeds ? length : o->max_linear_m_s, ROBUROC4_MAX_DRIVE_M_S) ||
+           beyond(speeds ? angle : o->max_angular_rad_s, ROBUROC4_MAX_DRIVE_RAD_S) ||
+           (o->allow_turns == 0 && beyond(angle, TWO_TURNS));
+}
+
+static roburoc4_result checked(const roburoc4_move *m) {
+    const float length = m->private_goal[LENGTH], angle = m->private_goal[ANGLE];
+    if (!options_valid(&m->private_options)) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
     if (!is_finite(length) || !is_finite(angle)) {
         return ROBUROC4_ERR_NOT_FINITE;
     }
-    if (beyond(length, FAR_M) || beyond(angle, FAR_M)) {
-        return speeds ? ROBUROC4_ERR_UNITS : ROBUROC4_ERR_ARGUMENT;
+    if (m->private_kind != FOR && (beyond(length, FAR_M) || beyond(angle, FAR_M))) {
+        return ROBUROC4_ERR_ARGUMENT;
     }
-    return beyond(speeds ? length : o->max_linear_m_s, ROBUROC4_MAX_DRIVE_M_S) ||
-                   beyond(speeds ? angle : o->max_angular_rad_s, ROBUROC4_MAX_DRIVE_RAD_S) ||
-                   (o->allow_turns == 0 && beyond(angle, TWO_TURNS))
-               ? ROBUROC4_ERR_UNITS
-               : ROBUROC4_OK;
+    return units_mistaken(m) ? ROBUROC4_ERR_UNITS : ROBUROC4_OK;
 }
 
 /** Set up a move; if that fails, it has ended. */
@@ -247,28 +251,34 @@ static float look_to(const roburoc4_move *m, float *bearing_rad) {
     return m->private_per_pose[LENGTH] * roburoc4_move_root(x * x + y * y);
 }
 
+/** To a place: a turn, a line, a turn, each from where the robot is. */
+static bool next_leg_to_place(roburoc4_move *m, uint8_t leg) {
+    float bearing_rad = 0;
+    const float distance_m = look_to(m, &bearing_rad);
+    if (leg < 2 && beyond(distance_m, 0.01F)) {
+        start_leg(m, leg == 0 ? 0 : distance_m, leg == 0 ? bearing_rad : 0);
+        if (leg == 1) {
+            m->private_covered[ANGLE] = m->private_by_speeds[ANGLE] = -bearing_rad;
+            m->private_commanded[ANGLE] = m->private_lagging[ANGLE] = -bearing_rad;
+        }
+        return true;
+    }
+    m->private_leg = 3;
+    if (m->private_kind == TO_POINT || leg > 2) {
+        return false;
+    }
+    const float left_rad =
+        roburoc4_move_half_turn(unfixed(m->private_place[2] - m->private_pose[2]));
+    start_leg(m, 0, m->private_per_pose[ANGLE] * left_rad);
+    return true;
+}
+
 /** Begin the next leg; false after the last one. */
 static bool next_leg(roburoc4_move *m) {
-    float left_rad = roburoc4_move_left(m, ANGLE);
+    const float left_rad = roburoc4_move_left(m, ANGLE);
     const uint8_t leg = m->private_leg++;
-    if (to_place(m)) { /* a turn, a line, a turn, each from where the robot is */
-        float bearing_rad = 0;
-        const float distance_m = look_to(m, &bearing_rad);
-        if (leg < 2 && beyond(distance_m, 0.01F)) {
-            start_leg(m, leg == 0 ? 0 : distance_m, leg == 0 ? bearing_rad : 0);
-            if (leg == 1) {
-                m->private_covered[ANGLE] = m->private_by_speeds[ANGLE] = -bearing_rad;
-                m->private_commanded[ANGLE] = m->private_lagging[ANGLE] = -bearing_rad;
-            }
-            return true;
-        }
-        m->private_leg = 3;
-        if (m->private_kind == TO_POINT || leg > 2) {
-            return false;
-        }
-        left_rad = roburoc4_move_half_turn(unfixed(m->private_place[2] - m->private_pose[2]));
-        start_leg(m, 0, m->private_per_pose[ANGLE] * left_rad);
-        return true;
+    if (to_place(m)) {
+        return next_leg_to_place(m, leg);
     }
     if (m->private_kind != BY || (leg != 0 && !(on_path(m) && beyond(left_rad, 0.0175F)))) {
         return false;
@@ -462,15 +472,10 @@ static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v, const flo
     }
 }
 
-/** Take what is new in the view, and note when it arrived; false if the pose jumped. */
-static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t passed_us,
-                      uint64_t now_us) {
+/** Time passed, in which this was commanded. */
+static void note_commands(roburoc4_move *m, const roburoc4_move_view *v, const float *stretch,
+                          float passed_s) {
     const float sent[BOTH] = {v->sent_linear_m_s, v->sent_angular_rad_s};
-    const float passed_s = seconds_of(passed_us);
-    const float stretch[BOTH] = {stretch_of(m), 1};
-    roburoc4_move_news news = {v->speed_cycles != m->private_speed_cycles, false, 0, 1};
-    const bool pose =
-        m->private_posed && v->pose_cycles != 0 && v->pose_cycles != m->private_pose_cycles;
     for (uint32_t i = 0; i < BOTH; i++) {
         const float commanded = passed_s * sent[i] * stretch[i];
         m->private_commanded[i] += commanded;
@@ -478,16 +483,35 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t pa
         m->private_lagging[i] +=
             passed_s / LAGGING_S * (m->private_commanded[i] - m->private_lagging[i]);
     }
+}
+
+/** What is new of the pose; false if it jumped. */
+static bool take_pose(roburoc4_move *m, const roburoc4_move_view *v, roburoc4_move_news *news,
+                      uint64_t now_us) {
+    if (!m->private_posed) {
+        m->private_pose_us = now_us;
+        news->prompt = news->speeds;
+        return true;
+    }
+    const bool pose = v->pose_cycles != 0 && v->pose_cycles != m->private_pose_cycles;
+    if (pose) {
+        m->private_pose_us = now_us;
+    }
+    return v->relocalized == m->private_relocalized && (!pose || note_pose(m, v, news));
+}
+
+/** Take what is new in the view, and note when it arrived; false if the pose jumped. */
+static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, uint32_t passed_us,
+                      uint64_t now_us) {
+    const float passed_s = seconds_of(passed_us);
+    const float stretch[BOTH] = {stretch_of(m), 1};
+    roburoc4_move_news news = {v->speed_cycles != m->private_speed_cycles, false, 0, 1};
+    note_commands(m, v, stretch, passed_s);
     if (news.speeds) {
         note_speeds(m, v, stretch);
         m->private_heard_us = now_us;
     }
-    if (pose || !m->private_posed) {
-        m->private_pose_us = now_us;
-    }
-    if (!m->private_posed) {
-        news.prompt = news.speeds;
-    } else if (v->relocalized != m->private_relocalized || (pose && !note_pose(m, v, &news))) {
+    if (!take_pose(m, v, &news, now_us)) {
         return false;
     }
     const float late_s = seconds_of(now_us - m->private_heard_us);
@@ -509,6 +533,21 @@ static uint8_t direction(const roburoc4_move *m) {
     return is_zero(way) ? 0 : negative(way) ? ASTERN : AHEAD;
 }
 
+/** A bumper on one of these sides is pressed, or another was pressed during the move. */
+static bool touches(roburoc4_move *m, const roburoc4_move_view *v, uint8_t sides) {
+    const uint8_t pressed[] = {v->front_bumper, v->rear_bumper};
+    bool touched = false;
+    for (uint32_t i = 0; i < 2; i++) {
+        const uint8_t side = (uint8_t)(AHEAD << i);
+        if (!pressed[i]) {
+            m->private_bumpers &= (uint8_t)~side; /* those pressed since the beginning */
+        } else {
+            touched = touched || ((sides | ~m->private_bumpers) & side) != 0;
+        }
+    }
+    return touched;
+}
+
 /** What is in the way; or what a move with a clearance needs and does not see. The robot still
  * covers what was commanded and not covered yet, and has covered something since the distances were
  * measured. */
@@ -520,18 +559,12 @@ static int32_t blocked(roburoc4_move *m, const roburoc4_move_view *v) {
                                : 0;
     const float needed_m = clearance_m + roburoc4_move_axis_rolls(m, stretch_of(m)) + brakes_m +
                            speed * seconds_of(v->distance_age_us);
-    const uint8_t pressed[] = {v->front_bumper, v->rear_bumper};
     const uint8_t bumper_known[] = {v->front_bumper_known, v->rear_bumper_known};
     const uint8_t known[] = {v->front_known, v->rear_known};
     const float distances_m[] = {v->front_m, v->rear_m};
     const uint8_t sides = direction(m);
-    for (uint32_t i = 0; i < 2; i++) {
-        const uint8_t side = (uint8_t)(AHEAD << i);
-        if (!pressed[i]) {
-            m->private_bumpers &= (uint8_t)~side; /* those pressed since the beginning */
-        } else if ((sides | ~m->private_bumpers) & side) {
-            return ROBUROC4_MOVE_BUMPER;
-        }
+    if (touches(m, v, sides)) {
+        return ROBUROC4_MOVE_BUMPER;
     }
     for (int32_t i = 0; i < 2 && !is_zero(clearance_m); i++) {
         if (!bumper_known[i]) {
@@ -640,20 +673,24 @@ static int32_t hindered(roburoc4_move *m, const roburoc4_move_view *v, uint32_t 
                                                           : ROBUROC4_MOVE_ODOMETRY;
 }
 
+/** What the client says against it. */
+static int32_t refused(roburoc4_move *m, const roburoc4_move_view *v) {
+    const bool rest = m->private_kind == REST;
+    if (v->overridden && (v->armed || rest)) {
+        return ROBUROC4_MOVE_OVERRIDE;
+    }
+    if (rest || (v->armed && !v->inhibited)) {
+        return ROBUROC4_MOVE_RUNNING;
+    }
+    m->cause = v->armed ? ROBUROC4_OK : v->disarm_cause;
+    return v->inhibited ? ROBUROC4_MOVE_INHIBITED : outcome_of(m->cause);
+}
+
 /** Reasons to end the move, whether it has arrived or not. */
 static int32_t reason_to_end(roburoc4_move *m, const roburoc4_move_view *v, uint32_t passed_us,
                              uint64_t now_us) {
-    const bool rest = m->private_kind == REST;
-    int32_t outcome = ROBUROC4_MOVE_RUNNING;
-    if (v->overridden && (v->armed || rest)) {
-        outcome = ROBUROC4_MOVE_OVERRIDE;
-    } else if (v->inhibited && !rest) {
-        m->cause = v->armed ? ROBUROC4_OK : v->disarm_cause;
-        outcome = ROBUROC4_MOVE_INHIBITED;
-    } else if (!v->armed && !rest) {
-        m->cause = v->disarm_cause;
-        outcome = outcome_of(m->cause);
-    } else if (m->private_ready && !rest) {
+    int32_t outcome = refused(m, v);
+    if (outcome == ROBUROC4_MOVE_RUNNING && m->private_ready && m->private_kind != REST) {
         outcome = hindered(m, v, passed_us, now_us);
     }
     return outcome != ROBUROC4_MOVE_RUNNING ? outcome
@@ -763,28 +800,27 @@ static float followed(float sent, float speed) {
                : 0;
 }
 
-/** Plan the move as soon as everything that it needs is known, or after a second end it with what
- * is missing. */
-static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
+/** The first step. */
+static void open_move(roburoc4_move *m, uint64_t now_us) {
+    m->private_begun = 1;
+    m->private_begun_us = m->private_step_us = now_us;
+    m->private_heard_us = m->private_pose_us = now_us;
+    m->private_timeout_ms = NO_TIMEOUT;
+    m->private_bumpers = AHEAD | ASTERN;
+}
+
+/** What is not known yet that it needs: an outcome, LOST for statuses; else RUNNING. */
+static int32_t lacks(roburoc4_move *m, const roburoc4_move_view *v) {
+    const int32_t unseen = m->private_kind == REST ? ROBUROC4_MOVE_RUNNING : blocked(m, v);
+    return unseen == ROBUROC4_MOVE_RUNNING &&
+                   (v->speed_cycles == 0 || (to_place(m) && v->pose_cycles == 0))
+               ? ROBUROC4_MOVE_LOST
+               : unseen;
+}
+
+/** Where it begins, and how fast. */
+static void note_start(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     const bool rest = m->private_kind == REST;
-    if (!m->private_begun) {
-        m->private_begun = 1;
-        m->private_begun_us = m->private_step_us = now_us;
-        m->private_heard_us = m->private_pose_us = now_us;
-        m->private_timeout_ms = NO_TIMEOUT;
-        m->private_bumpers = AHEAD | ASTERN;
-        if (!v->armed && !rest) { /* whatever disarmed it, this move did not drive */
-            m->cause = v->disarm_cause;
-            return ROBUROC4_MOVE_CANCELLED;
-        }
-    }
-    const int32_t unseen = rest ? ROBUROC4_MOVE_RUNNING : blocked(m, v);
-    if (unseen != ROBUROC4_MOVE_RUNNING || v->speed_cycles == 0 ||
-        (to_place(m) && v->pose_cycles == 0)) {
-        return now_us - m->private_begun_us <= SILENCE_US ? ROBUROC4_MOVE_RUNNING
-               : unseen != ROBUROC4_MOVE_RUNNING          ? unseen
-                                                          : ROBUROC4_MOVE_LOST;
-    }
     if (!rest) { /* a command that the robot has not followed yet is taken back at once */
         m->linear_m_s = followed(v->sent_linear_m_s, v->linear_m_s);
         m->angular_rad_s = followed(v->sent_angular_rad_s, v->angular_rad_s);
@@ -800,6 +836,24 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
         m->private_posed = 1;
         m->private_pose_gap = UINT8_MAX;
     }
+}
+
+/** Plan the move as soon as everything that it needs is known, or after a second end it with what
+ * is missing. */
+static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
+    if (!m->private_begun) {
+        open_move(m, now_us);
+        if (!v->armed &&
+            m->private_kind != REST) { /* whatever disarmed it, this move did not drive */
+            m->cause = v->disarm_cause;
+            return ROBUROC4_MOVE_CANCELLED;
+        }
+    }
+    const int32_t lacking = lacks(m, v);
+    if (lacking != ROBUROC4_MOVE_RUNNING) {
+        return now_us - m->private_begun_us <= SILENCE_US ? ROBUROC4_MOVE_RUNNING : lacking;
+    }
+    note_start(m, v, now_us);
     if (m->private_kind == FOR) {
         obey_own_limits(m, v);
     }
@@ -828,6 +882,22 @@ int32_t roburoc4_move_end(roburoc4_move *m, int32_t outcome) {
     return outcome;
 }
 
+/** The leg is at its end: the outcome, or RUNNING if there is another one. */
+static int32_t end_leg(roburoc4_move *m) {
+    return has_goal(m) && witnesses_disagree(m, m->private_commanded) ? ROBUROC4_MOVE_ODOMETRY
+           : off_course(m)                                            ? ROBUROC4_MOVE_OFF_COURSE
+           : next_leg(m)                                              ? ROBUROC4_MOVE_RUNNING
+                                                                      : ROBUROC4_MOVE_REACHED;
+}
+
+/** Propose the next speeds; the outcome if it has arrived. */
+static int32_t drive_on(roburoc4_move *m, float passed_s, uint64_t now_us) {
+    if (m->private_kind != REST) {
+        propose(m, passed_s, now_us);
+    }
+    return arrived(m) ? end_leg(m) : ROBUROC4_MOVE_RUNNING;
+}
+
 int32_t roburoc4_move_advance(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     int32_t outcome = m->private_ready ? ROBUROC4_MOVE_RUNNING : plan(m, v, now_us);
     const uint64_t passed = now_us - m->private_step_us;
@@ -845,16 +915,7 @@ int32_t roburoc4_move_advance(roburoc4_move *m, const roburoc4_move_view *v, uin
         m->remaining_rad = roburoc4_move_left(m, ANGLE);
     }
     if (outcome == ROBUROC4_MOVE_RUNNING && ready) {
-        if (m->private_kind != REST) {
-            propose(m, seconds_of(passed_us), now_us);
-        }
-        if (arrived(m)) {
-            outcome = has_goal(m) && witnesses_disagree(m, m->private_commanded)
-                          ? ROBUROC4_MOVE_ODOMETRY
-                      : off_course(m) ? ROBUROC4_MOVE_OFF_COURSE
-                      : next_leg(m)   ? ROBUROC4_MOVE_RUNNING
-                                      : ROBUROC4_MOVE_REACHED;
-        }
+        outcome = drive_on(m, seconds_of(passed_us), now_us);
     }
     return outcome == ROBUROC4_MOVE_RUNNING ? outcome : roburoc4_move_end(m, outcome);
 }

@@ -190,33 +190,37 @@ static void fit(roburoc4_move *m, float passed_s) {
     f->gain = 1 + within(f->numbers[GAIN] - 1, GAIN_RANGE);
 }
 
+/** Whether the robot rolls as it was told; `told` and `speed` are towards `side`. */
+static bool note_rolling(roburoc4_move *m, int8_t side, float told, float speed, float stands) {
+    const bool driven = beyond(told, 2 * stands);
+    if (side != m->private_rolled || !driven) {
+        m->private_rolled = 0;
+        m->private_peak = m->private_told = 0;
+    }
+    if (driven && less(stands, speed)) {
+        m->private_rolled = side;
+    }
+    return m->private_rolled != 0;
+}
+
 /** Whether the speed fell, or the robot stands, although it was not told to brake. */
 static bool falls(roburoc4_move *m, uint32_t axis) {
     const float sent = axis == LENGTH ? m->linear_m_s : m->angular_rad_s;
     const float told = magnitude(sent), speed = with_sign(1, sent) * m->private_speed[axis];
-    const int8_t side = negative(sent) ? -1 : 1;
     const float stands = STANDS * unit[axis];
-    if (side != m->private_rolled || !beyond(told, 2 * stands)) {
-        m->private_rolled = 0;
-        m->private_peak = m->private_told = 0;
-    }
-    if (beyond(told, 2 * stands) && less(stands, speed)) {
-        m->private_rolled = side;
-    }
-    if (m->private_rolled == 0) {
+    if (!note_rolling(m, negative(sent) ? -1 : 1, told, speed, stands)) {
         return false;
     }
     const bool brakes = less(told, m->private_told);
     m->private_told = brakes ? m->private_told : told;
     m->private_peak = less(speed, m->private_peak) ? m->private_peak : speed;
-    const float fallen = m->private_peak - speed;
+    const float fallen = brakes ? 0 : m->private_peak - speed;
     const float most = FALL * unit[axis] + FALL_SHARE * m->private_peak;
     if (m->private_suspect < SUSPECTED) { /* one status may be noise */
-        const bool lower = !brakes && beyond(fallen, SUSPECT * most);
+        const bool lower = beyond(fallen, SUSPECT * most);
         m->private_suspect = lower ? (uint8_t)(m->private_suspect + 1) : 0;
     }
-    return (!brakes && beyond(fallen, most)) ||
-           (less(2 * stands, m->private_peak) && !beyond(speed, stands));
+    return beyond(fallen, most) || (less(2 * stands, m->private_peak) && !beyond(speed, stands));
 }
 
 /** Where it is now: as far as the speeds say since the last pose whose age is known. */

@@ -41,15 +41,7 @@ static float both_ways(float low, float high) {
     return lesser(magnitude(low), magnitude(high));
 }
 
-static void view_client(roburoc4_move_view *v, const roburoc4_client *client,
-                        const roburoc4_facts *facts) {
-    roburoc4_differential_properties limits;
-    roburoc4_differential_status speeds;
-    roburoc4_localization_status pose;
-    bool counted = false; /* by the wheels alone */
-    memset(v, 0, sizeof *v);
-    v->size = sizeof *v;
-    v->relocalized = (uint32_t)client->private_outputs.relocalize_us;
+static void view_facts(roburoc4_move_view *v, const roburoc4_facts *facts) {
     v->armed = facts->armed;
     v->overridden = facts->overridden;
     v->inhibited = facts->inhibited;
@@ -63,6 +55,12 @@ static void view_client(roburoc4_move_view *v, const roburoc4_client *client,
         v->sent_linear_m_s = facts->sent_linear_m_s;
         v->sent_angular_rad_s = facts->sent_angular_rad_s;
     }
+}
+
+static void view_speeds(roburoc4_move_view *v, const roburoc4_client *client,
+                        const roburoc4_facts *facts) {
+    roburoc4_differential_properties limits;
+    roburoc4_differential_status speeds;
     if (facts->age_us[ROBUROC4_SERVICE_DIFFERENTIAL] != UINT32_MAX &&
         !client->private_outputs.relocalizing &&
         roburoc4_client_differential(client, &speeds, NULL) == ROBUROC4_OK) {
@@ -70,20 +68,36 @@ static void view_client(roburoc4_move_view *v, const roburoc4_client *client,
         v->linear_m_s = speeds.current_linear_m_s;
         v->angular_rad_s = speeds.current_angular_rad_s;
     }
-    if (facts->age_us[ROBUROC4_SERVICE_LOCALIZATION] < client->private_config.fresh_ms * 1000U &&
-        roburoc4_client_localization(client, &pose, NULL) == ROBUROC4_OK && usable(&pose)) {
-        v->pose_cycles = pose.robot_cycles;
-        v->x_m = pose.x_m;
-        v->y_m = pose.y_m;
-        v->theta_rad = pose.theta_rad;
-        counted = (pose.flags & ROBUROC4_LOCALIZATION_EXTEROCEPTIVE) == 0;
-    }
     if (roburoc4_client_differential_properties(client, &limits) == ROBUROC4_OK) {
         v->max_linear_m_s = both_ways(limits.min_linear_m_s, limits.max_linear_m_s);
         v->max_angular_rad_s = both_ways(limits.min_angular_rad_s, limits.max_angular_rad_s);
         v->max_linear_m_s2 = both_ways(limits.min_linear_m_s2, limits.max_linear_m_s2);
         v->max_angular_rad_s2 = both_ways(limits.min_angular_rad_s2, limits.max_angular_rad_s2);
     }
+}
+
+/** Whether there is a pose that the wheels alone count. */
+static bool view_pose(roburoc4_move_view *v, const roburoc4_client *client,
+                      const roburoc4_facts *facts) {
+    roburoc4_localization_status pose;
+    if (facts->age_us[ROBUROC4_SERVICE_LOCALIZATION] >= client->private_config.fresh_ms * 1000U ||
+        roburoc4_client_localization(client, &pose, NULL) != ROBUROC4_OK || !usable(&pose)) {
+        return false;
+    }
+    v->pose_cycles = pose.robot_cycles;
+    v->x_m = pose.x_m;
+    v->y_m = pose.y_m;
+    v->theta_rad = pose.theta_rad;
+    return (pose.flags & ROBUROC4_LOCALIZATION_EXTEROCEPTIVE) == 0;
+}
+
+static void view_client(roburoc4_move_view *v, const roburoc4_client *client,
+                        const roburoc4_facts *facts) {
+    memset(v, 0, sizeof *v);
+    v->size = sizeof *v;
+    v->relocalized = (uint32_t)client->private_outputs.relocalize_us;
+    view_facts(v, facts);
+    view_speeds(v, client, facts);
     /* What the robot counts is wrong by the factors with which its speeds are. */
     const float length = 1 / client->private_config.scale_linear;
     const float angle = 1 / client->private_config.scale_angular;
@@ -95,7 +109,7 @@ static void view_client(roburoc4_move_view *v, const roburoc4_client *client,
     v->sent_angular_rad_s *= angle;
     v->max_angular_rad_s *= angle;
     v->max_angular_rad_s2 *= angle;
-    if (counted) {
+    if (view_pose(v, client, facts)) {
         v->true_per_pose_m = length;
         v->true_per_pose_rad = angle;
     }
@@ -123,23 +137,28 @@ static bool too_fast(roburoc4_move *m, const roburoc4_client *client) {
     return false;
 }
 
+/** Whether a stop sequence began that this move has not seen before. */
+static bool stop_began(roburoc4_move *m, const roburoc4_private_drive *d, bool stops) {
+    enum { MOVES, WILL_STOP, STOPS };
+    const uint8_t before = m->private_begun ? m->private_stopping : WILL_STOP;
+    const uint8_t stopping = !stops ? MOVES : d->zeros_sent == 0 ? WILL_STOP : STOPS;
+    const bool another = before == STOPS && d->stop_us != m->private_stop_us;
+    m->private_stopping = stopping;
+    m->private_stop_us = d->stop_us;
+    return (stopping != MOVES && (before == MOVES || another)) ||
+           (stopping == WILL_STOP && before == STOPS);
+}
+
 /** Whether its lease ended without it, perhaps before it drove on: then another stop sequence
  * began. */
 static bool ended_elsewhere(roburoc4_move *m, const roburoc4_client *client,
                             const roburoc4_facts *facts) {
-    enum { MOVES, WILL_STOP, STOPS };
     const roburoc4_private_drive *d = &client->private_drive;
-    const uint8_t stopping = !facts->stopping ? MOVES : d->zeros_sent == 0 ? WILL_STOP : STOPS;
+    const bool stopped = stop_began(m, d, facts->stopping);
     if (!m->private_begun) {
         m->private_granted_us = d->granted_us;
-        m->private_stopping = WILL_STOP;
     }
     m->private_driven |= facts->driving || d->granted_us != m->private_granted_us;
-    const bool another = m->private_stopping == STOPS && d->stop_us != m->private_stop_us;
-    const bool stopped = (stopping != MOVES && (m->private_stopping == MOVES || another)) ||
-                         (stopping == WILL_STOP && m->private_stopping == STOPS);
-    m->private_stopping = stopping;
-    m->private_stop_us = d->stop_us;
     return m->private_kind != REST && m->private_driven && facts->armed &&
            (stopped || !facts->driving);
 }
@@ -158,8 +177,25 @@ static bool stops(const roburoc4_move *m, const roburoc4_client *client,
             !nearly_zero(s->target_linear_m_s) || !nearly_zero(s->target_angular_rad_s));
 }
 
-int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_t now_us) {
+/** One step of a move that nothing of the client has ended. */
+static void step(roburoc4_move *m, const roburoc4_client *client, const roburoc4_facts *facts,
+                 uint64_t now_us) {
     roburoc4_move_view view;
+    const bool rest = m->private_kind == REST;
+    const bool unconfirmed = rest && facts->stop_outcome == ROBUROC4_STOP_TIMED_OUT;
+    /* what it was told before may not have arrived, or it was at rest a while ago */
+    if (facts->stopping || unconfirmed ||
+        facts->age_us[ROBUROC4_SERVICE_DIFFERENTIAL] >= client->private_config.fresh_ms * 1000U) {
+        m->private_quiet_cycles = m->private_still = 0;
+    }
+    if (facts->stopping && !rest) { /* only zeros are sent yet */
+        roburoc4_move_hold(m);
+    }
+    view_client(&view, client, facts);
+    (void)roburoc4_move_advance(m, &view, now_us);
+}
+
+int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_t now_us) {
     roburoc4_facts facts;
     if (move->outcome != ROBUROC4_MOVE_RUNNING) {
         return move->outcome;
@@ -167,25 +203,13 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
     (void)roburoc4_client_facts(client, now_us, ROBUROC4_SIZED(&facts));
     /* After a lapse the stop sequence is sent already. pause() would keep the client armed. */
     const bool lapsed = facts.armed && facts.lapsed;
-    const bool unconfirmed =
-        move->private_kind == REST && facts.stop_outcome == ROBUROC4_STOP_TIMED_OUT;
     const bool elsewhere = ended_elsewhere(move, client, &facts);
     if (!move->private_ready && move->private_kind != REST && too_fast(move, client)) {
         roburoc4_move_end(move, ROBUROC4_MOVE_TOO_FAST);
     } else if (elsewhere) {
         roburoc4_move_end(move, lapsed ? ROBUROC4_MOVE_LAPSED : ROBUROC4_MOVE_CANCELLED);
     } else {
-        /* what it was told before may not have arrived, or it was at rest a while ago */
-        if (facts.stopping || unconfirmed ||
-            facts.age_us[ROBUROC4_SERVICE_DIFFERENTIAL] >=
-                client->private_config.fresh_ms * 1000U) {
-            move->private_quiet_cycles = move->private_still = 0;
-        }
-        if (facts.stopping && move->private_kind != REST) { /* only zeros are sent yet */
-            roburoc4_move_hold(move);
-        }
-        view_client(&view, client, &facts);
-        (void)roburoc4_move_advance(move, &view, now_us);
+        step(move, client, &facts, now_us);
     }
     if (!lapsed && stops(move, client, &facts)) {
         move->private_first_us = now_us;
