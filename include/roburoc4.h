@@ -729,7 +729,8 @@ struct roburoc4_client {
     roburoc4_private_outputs private_outputs;
     roburoc4_private_link private_link;
     roburoc4_private_values private_values;
-    uint32_t private_reserved[6];
+    uint32_t private_answered_us; /* when the last request was answered */
+    uint32_t private_reserved[5];
 };
 
 #ifdef __cplusplus

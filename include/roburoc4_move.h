@@ -55,8 +55,8 @@
  *                 bumpers and a distance in its direction that is not older than a second.
  *   The end       Whatever the outcome, the last step calls roburoc4_client_pause(), which sends a
  *                 stop sequence; after ROBUROC4_MOVE_LAPSED it was sent already. After
- *                 ROBUROC4_MOVE_REACHED the robot is at rest; after the others it may still roll:
- *                 roburoc4_move_rest() waits for that.
+ *                 ROBUROC4_MOVE_REACHED the robot is at rest, or about to be (slow ones roll out);
+ *                 after the others it may still roll: roburoc4_move_rest() waits until it stands.
  *
  * CONVENTIONS
  *

@@ -5,6 +5,9 @@
  */
 #include "internal.h"
 
+/* In fixed-id mode, requests go one by one, and slowly where some are lost. */
+#define UNANSWERED_US (10 * SECOND)
+
 static bool fresh(const client *c, uint32_t service, uint64_t now_us, timer *t) {
     return roburoc4_link_fresh(&c->private_link, STATUS_INDEX(service),
                                c->private_config.fresh_ms * MS, now_us, t);
@@ -123,8 +126,9 @@ void roburoc4_conditions_watch_arming(client *c) {
 void roburoc4_conditions_tick(client *c) {
     timer *t = &c->private_timer;
     timer unarmed = *t; /* whether its statuses become stale is asked when it is to be armed */
-    if (in_fixed_id_mode(
-            &c->private_requests)) { /* an answer does not prove when its request arrived */
+    /* in fixed-id mode, an answer does not prove when its request arrived; but some must come */
+    if (in_fixed_id_mode(&c->private_requests) &&
+        (!c->private_drive.lease_active || t->now_us - c->private_answered_us < UNANSWERED_US)) {
         roburoc4_drive_heard(&c->private_drive, t->now_us);
     }
     roburoc4_drive_tick(&c->private_drive, &c->private_config,

@@ -133,6 +133,7 @@ static const uint16_t stamps[] = {
     AT(subscriptions.inserted_us[4]),
     AT(outputs.sent_us),
     AT(outputs.relocalize_us),
+    AT(answered_us),
 #undef AT
 };
 

@@ -485,12 +485,24 @@ static void note_commands(roburoc4_move *m, const roburoc4_move_view *v, const f
     }
 }
 
+/** The first pose: what is covered is carried on to its time. */
+static void begin_with_pose(roburoc4_move *m, const roburoc4_move_view *v) {
+    roburoc4_move_news first;
+    (void)note_pose(m, v, &first);
+    cover(m, first.ahead_s * m->private_speed[LENGTH], 0, first.ahead_s * m->private_speed[ANGLE]);
+    m->private_posed = 1;
+    m->private_pose_gap = UINT8_MAX;
+}
+
 /** What is new of the pose; false if it jumped. */
 static bool take_pose(roburoc4_move *m, const roburoc4_move_view *v, roburoc4_move_news *news,
                       uint64_t now_us) {
     if (!m->private_posed) {
         m->private_pose_us = now_us;
         news->prompt = news->speeds;
+        if (v->pose_cycles != 0 && m->private_kind != REST) {
+            begin_with_pose(m, v);
+        }
         return true;
     }
     const bool pose = v->pose_cycles != 0 && v->pose_cycles != m->private_pose_cycles;
@@ -831,10 +843,7 @@ static void note_start(roburoc4_move *m, const roburoc4_move_view *v, uint64_t n
     m->private_relocalized = v->relocalized;
     m->private_step_us = m->private_pose_us = now_us;
     if (v->pose_cycles != 0 && !rest) {
-        roburoc4_move_news first;
-        (void)note_pose(m, v, &first);
-        m->private_posed = 1;
-        m->private_pose_gap = UINT8_MAX;
+        begin_with_pose(m, v);
     }
 }
 

@@ -515,6 +515,7 @@ static roburoc4_result end_request(client *c, const slot *request, const uint8_t
 static void take_times(client *c, const slot *s, uint8_t id) {
     const uint32_t now_us = c->private_timer.now_us;
     const bool certain = measures_round_trip(c, s, id);
+    c->private_answered_us = now_us;
     /* an error without an id may be about an earlier request, as all may be in fixed-id mode */
     if (certain || (id == s->id && !in_fixed_id_mode(&c->private_requests))) {
         roburoc4_drive_heard(&c->private_drive, s->sent_us);

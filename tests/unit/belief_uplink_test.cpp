@@ -180,7 +180,7 @@ TEST(Uplink, ThatWasDeadIsNotProvenByALateAnswer) {
     EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.arm());
 }
 
-TEST(Uplink, OfARobotThatKnowsOneIdIsWatchedByChangesOfTheTargetAlone) {
+TEST(Uplink, OfARobotThatKnowsOneIdIsWatchedByChangesOfTheTarget) {
     ScriptedRobot robot;
     robot.always_manual_id = true;
     roburoc4_config config = default_config();
@@ -205,6 +205,40 @@ TEST(Uplink, OfARobotThatKnowsOneIdIsNotProvenByTheZeroOfItsWatchdog) {
     bench.drop_to_robot = everything;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.3F, 0, 100 * ms));
     EXPECT_GT(0, bench.drive_until_refused(-0.7F, 0, 450 * ms));
+}
+
+/** Targets that come and go: the zero of its watchdog looks like one of them. */
+TEST(Uplink, OfARobotThatKnowsOneIdIsDeadWhenNothingIsAnswered) {
+    roburoc4_config config = default_config();
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
+    for (const std::uint64_t half_us : {50 * ms, 200 * ms, 350 * ms}) {
+        ScriptedRobot robot;
+        robot.always_manual_id = true;
+        Armed bench(robot, config);
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.15F, 0, second));
+        bench.drop_to_robot = everything;
+        std::uint64_t passed_us = 0;
+        for (int i = 0; passed_us < 20 * second; i++, passed_us += half_us)
+            if (bench.drive_until_refused(i % 2 == 0 ? 0 : 0.15F, 0, half_us) < 0)
+                break;
+        EXPECT_LE(passed_us, 11 * second) << half_us;
+    }
+}
+
+TEST(Uplink, OfARobotThatKnowsOneIdMayLoseATenth) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    roburoc4_config config = default_config();
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
+    Armed bench(robot, config);
+    std::uint32_t random = 20261130;
+    const auto lost = [&random](const Bytes &) {
+        random = random * 1664525U + 1013904223U;
+        return random >> 24 < 26;
+    };
+    bench.drop_to_robot = lost;
+    bench.drop_to_client = [&](const Bytes &bytes) { return !is_status(bytes) && lost(bytes); };
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.2F, 600 * second)) << "seed 20261130";
 }
 
 TEST(Uplink, IsProvenByAZeroThatWasSent) {

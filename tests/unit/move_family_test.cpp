@@ -633,6 +633,32 @@ TEST_F(MoveFault, APoseThatIsSilentForAWhileCostsNoAccuracy) {
     EXPECT_LT(furthest_m, 1.03);
 }
 
+/** A move that begins before the first pose counts speeds until then. */
+TEST_F(MoveFault, APoseThatComesAfterItsFirstStepIsUsed) {
+    std::uint64_t state = drawn_seed();
+    for (const bool jumps : {false, true}) {
+        for (int i = 0; i < 20; i++) {
+            family_member member = family_member_drawn(&state);
+            member.loss = member.noise_m_s = 0;
+            family_prepare(&rig, &member, state);
+            rig.robot.silent = 1U << ROBUROC4_SERVICE_LOCALIZATION;
+            arm();
+            const std::uint32_t until_ms = rig.now_ms + 10 * static_cast<std::uint32_t>(i);
+            rig.robot.scale_speeds = jumps ? 1 : 0.9;
+            const std::int32_t result = by(i % 2 == 0 ? 2 : 0, i % 2 == 0 ? 0 : 4, [&] {
+                if (rig.now_ms >= until_ms)
+                    rig.robot.silent = 0;
+                if (jumps && rig.now_ms >= until_ms + 2000 && rig.robot.odometry_x_m < 4)
+                    rig.robot.odometry_x_m += 5;
+            });
+            EXPECT_EQ(jumps ? ROBUROC4_MOVE_RELOCALIZED : ROBUROC4_MOVE_REACHED, result) << i;
+            if (!jumps) {
+                EXPECT_NEAR(i % 2 == 0 ? 2 : 4, i % 2 == 0 ? drove() : turned(), 0.06) << i;
+            }
+        }
+    }
+}
+
 TEST_F(MoveFault, ASilentLocalizationEndsIt) {
     arm();
     EXPECT_EQ(ROBUROC4_MOVE_LOST, by(2, 0, [&] {
