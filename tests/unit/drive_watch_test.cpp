@@ -426,6 +426,28 @@ TEST(Inhibited, IsNoRobotTooSlowForTargetsThatAlternate) {
     }
 }
 
+TEST(Inhibited, IsNoRobotWhoseTargetsAlternateUnevenly) {
+    Drawn drawn;
+    for (int i = 0; i < 60; i++) {
+        const float there[2] = {static_cast<float>(drawn.between(0.1, 0.4)),
+                                static_cast<float>(drawn.between(0.2, 0.8))};
+        const auto share = static_cast<float>(drawn.between(0.8, 1));
+        const auto cycles = static_cast<int>(drawn.between(10, 60));
+        SCOPED_TRACE(testing::Message() << there[0] << " m/s, " << there[1] << " rad/s, back by "
+                                        << share << ", each " << cycles << " cycles");
+        Responding robot(static_cast<float>(drawn.between(1.5, 4)), 0.79F, 1, 0);
+        Armed bench(robot);
+        for (int cycle = 0; cycle < 1000; cycle++) {
+            const float part = cycle / cycles % 2 == 0 ? 1 : -share;
+            if (cycle % 5 == 0) {
+                ASSERT_EQ(ROBUROC4_OK, bench.drive(part * there[0], part * there[1])) << cycle;
+            }
+            bench.run(10 * ms);
+            robot.respond();
+        }
+    }
+}
+
 /** A second-order response, as slow, as fast and as far off as the family allows. */
 TEST(Inhibited, IsNoRobotThatRespondsInItsOwnWay) {
     const float steps[][2] = {{1, 0},        {-1, 0.5F},  {0.1F, -1.5F},    {0.1F, 0}, {1, 1.5F},
