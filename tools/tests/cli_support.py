@@ -20,6 +20,8 @@ import roburoc4
 
 FOLDER = Path(sys.executable).parent
 COMMAND = str(FOLDER / "roburoc4")
+ALONE = "127.0.0.2"
+"""Host of a robot that nobody else asks: its port may have been that of another test's."""
 _BUSY = {"jitter": "ms early or late", "slow": "an answer takes"}
 _STYLES = re.compile(r"\x1b\[[0-9;]*m")
 

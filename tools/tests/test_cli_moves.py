@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from cli_support import document, one_line, run, start
+from cli_support import ALONE, document, one_line, run, start
 from robot_support import until
 
 import roburoc4
@@ -83,11 +83,12 @@ def test_a_speed_is_allowed_whatever_the_scale(sim: roburoc4.Simulator, tmp_path
         ("drive", "0", "10", "--seconds", "1001"),
     ],
 )
-def test_bad_usage_sends_nothing(sim: roburoc4.Simulator, arguments: tuple[str, ...]) -> None:
-    done = run(*arguments, robot=sim.address)
-    assert done.returncode == 2
-    one_line(done.stderr)
-    assert sim.state.requests == 0
+def test_bad_usage_sends_nothing(arguments: tuple[str, ...]) -> None:
+    with roburoc4.Simulator(port=0, host=ALONE) as sim:
+        done = run(*arguments, robot=sim.address)
+        assert done.returncode == 2
+        one_line(done.stderr)
+        assert sim.state.requests == 0
 
 
 def test_a_reader_that_ends_stops_the_robot(sim: roburoc4.Simulator) -> None:

@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
-from cli_support import COMMAND, document, environment, one_line, run, start
+from cli_support import ALONE, COMMAND, document, environment, one_line, run, start
 from robot_support import until
 
 import roburoc4
@@ -78,7 +78,7 @@ def test_a_signal_ends_it_and_the_file_is_whole(tmp_path: Path) -> None:
 def test_a_file_with_contents_is_not_replaced_unasked(tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
     path.write_text("precious\n")
-    with roburoc4.Simulator(port=0) as sim:
+    with roburoc4.Simulator(port=0, host=ALONE) as sim:
         done = run("record", str(path), "--seconds", "0.2", robot=sim.address)
         assert done.returncode == 2
         assert "--force" in one_line(done.stderr)

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from cli_support import COMMAND, environment, one_line, run, start
+from cli_support import ALONE, COMMAND, environment, one_line, run, start
 
 import roburoc4
 
@@ -28,7 +28,7 @@ BAD = {
 
 @pytest.mark.parametrize("arguments", BAD.values(), ids=BAD.keys())
 def test_a_bad_command_line_is_one_line_and_sends_nothing(arguments: list[str]) -> None:
-    with roburoc4.Simulator(port=0) as sim:
+    with roburoc4.Simulator(port=0, host=ALONE) as sim:
         done = run(*arguments, robot=sim.address)
         assert done.returncode == 2
         assert done.stdout == ""
