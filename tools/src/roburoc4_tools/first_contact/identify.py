@@ -6,10 +6,9 @@ import re
 import struct
 from itertools import pairwise
 
-from roburoc4.constants import CYCLE_S
-
 from . import wire
 from .session import ANSWER_S, Session, SilentError, UnsafeError
+from .wire import CYCLE_S
 
 _TEXT_S = 3.5
 _HEARD_S = 1.5

@@ -4,10 +4,9 @@
 import statistics
 from itertools import pairwise
 
-from roburoc4.constants import CYCLE_S
-
 from . import wire
 from .session import ANSWER_S, MissedError, Session, UnsafeError
+from .wire import CYCLE_S
 
 _REQUESTS = 100
 _EVERY_S = 0.05

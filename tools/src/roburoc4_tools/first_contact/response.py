@@ -5,7 +5,7 @@ import cmath
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from roburoc4.constants import CYCLE_S
+from .wire import CYCLE_S
 
 IMMEDIATE_RAD_S = 1000.0
 _FAST_RAD_S, _ALIKE = 60.0, 0.01

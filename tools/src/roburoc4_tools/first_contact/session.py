@@ -7,10 +7,9 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import TypeVar
 
-from roburoc4.constants import CYCLE_S
-
 from . import wire
 from .response import Response
+from .wire import CYCLE_S
 from .world import World
 
 COMMAND_S = 0.05

@@ -6,8 +6,6 @@ import struct
 from functools import partial
 from itertools import pairwise
 
-from roburoc4.constants import CYCLE_S
-
 from . import wire
 from .identify import restart
 from .network import hear_clock, keep_clock, restarted
@@ -24,6 +22,7 @@ from .session import (
     UnsafeError,
 )
 from .watch import changed_inputs, decoded, digital_inputs
+from .wire import CYCLE_S
 
 LATEST_S = 0.45
 LONGEST_WATCHDOG_S = 2.0

@@ -11,6 +11,7 @@ GET, QUERY, REPLACE, INSERT, DELETE = 0, 1, 2, 4, 5
 DIRECTORY, NOTIFICATION = 0, 1
 SERVICES = ("iocard", "telemeter", "battery", "localization", "differential")
 MANUAL_ID = 1
+CYCLE_S = 0.01
 _HEAD = struct.Struct("<BBH")
 _STATUS_HEAD = struct.Struct("<BHQ")
 _DIFFERENTIAL = struct.Struct("<13f")
