@@ -33,8 +33,8 @@ static const int32_t tolerance[AXES] = {ONE / 10, ONE / 5};
 /* Slower than this is no motion, so targets of twice as much can be watched. */
 static const int32_t slowest_motion[AXES] = {ONE / 200, ONE / 50};
 /* Bounds allow a robot whose target changes direction to stand. One that has had targets of at
- * least `clear` in one direction for this long, none in the other, and never moved, does not follow
- * either. */
+ * least `clear` in one direction for this long, none of half as much in the other, and never moved,
+ * does not follow either. */
 #define STILL_CYCLES 100
 static const int32_t clear[AXES] = {ONE / 6, ONE / 3};
 static const int32_t standing[AXES] = {ONE / 100, ONE / 40};

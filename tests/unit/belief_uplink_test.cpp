@@ -42,6 +42,29 @@ class SlowUplink {
     std::deque<std::pair<std::uint64_t, Bytes>> flight_;
 };
 
+ScriptedRobot knows_one_id() {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    return robot;
+}
+
+/** Its texts name no [A] for sure. */
+roburoc4_config known_pad() {
+    roburoc4_config config = default_config();
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
+    return config;
+}
+
+/** Of 256 datagrams each way, so many are lost; but no status. */
+void lose(Bench &bench, std::uint32_t of_256, std::uint32_t &random) {
+    const auto lost = [&random, of_256](const Bytes &) {
+        random = random * 1664525U + 1013904223U;
+        return random >> 24 < of_256;
+    };
+    bench.drop_to_robot = lost;
+    bench.drop_to_client = [lost](const Bytes &bytes) { return !is_status(bytes) && lost(bytes); };
+}
+
 } // namespace
 
 TEST(Uplink, ThatGrowsLateDisarms) {
@@ -181,11 +204,8 @@ TEST(Uplink, ThatWasDeadIsNotProvenByALateAnswer) {
 }
 
 TEST(Uplink, OfARobotThatKnowsOneIdIsWatchedByChangesOfTheTarget) {
-    ScriptedRobot robot;
-    robot.always_manual_id = true;
-    roburoc4_config config = default_config();
-    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
-    Armed bench(robot, config);
+    ScriptedRobot robot = knows_one_id();
+    Armed bench(robot, known_pad());
     ASSERT_TRUE(bench.facts().fixed_id);
     bench.drop_to_client = [](const Bytes &bytes) { return !is_status(bytes); };
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 2 * second));
@@ -195,12 +215,9 @@ TEST(Uplink, OfARobotThatKnowsOneIdIsWatchedByChangesOfTheTarget) {
 
 /** Its watchdog sets the target to 0, which lies between targets of both signs that were sent. */
 TEST(Uplink, OfARobotThatKnowsOneIdIsNotProvenByTheZeroOfItsWatchdog) {
-    ScriptedRobot robot;
-    robot.always_manual_id = true;
+    ScriptedRobot robot = knows_one_id();
     robot.watchdog_us = 300 * ms;
-    roburoc4_config config = default_config();
-    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
-    Armed bench(robot, config);
+    Armed bench(robot, known_pad());
     ASSERT_NO_FATAL_FAILURE(bench.driving(-0.5F, 0, second));
     bench.drop_to_robot = everything;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.3F, 0, 100 * ms));
@@ -209,12 +226,9 @@ TEST(Uplink, OfARobotThatKnowsOneIdIsNotProvenByTheZeroOfItsWatchdog) {
 
 /** Targets that come and go: the zero of its watchdog looks like one of them. */
 TEST(Uplink, OfARobotThatKnowsOneIdIsDeadWhenNothingIsAnswered) {
-    roburoc4_config config = default_config();
-    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
     for (const std::uint64_t half_us : {50 * ms, 200 * ms, 350 * ms}) {
-        ScriptedRobot robot;
-        robot.always_manual_id = true;
-        Armed bench(robot, config);
+        ScriptedRobot robot = knows_one_id();
+        Armed bench(robot, known_pad());
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.15F, 0, second));
         bench.drop_to_robot = everything;
         std::uint64_t passed_us = 0;
@@ -226,18 +240,10 @@ TEST(Uplink, OfARobotThatKnowsOneIdIsDeadWhenNothingIsAnswered) {
 }
 
 TEST(Uplink, OfARobotThatKnowsOneIdMayLoseATenth) {
-    ScriptedRobot robot;
-    robot.always_manual_id = true;
-    roburoc4_config config = default_config();
-    config.role_index[ROBUROC4_ROLE_OVERRIDE] = ROBUROC4_DI_PAD_A;
-    Armed bench(robot, config);
+    ScriptedRobot robot = knows_one_id();
+    Armed bench(robot, known_pad());
     std::uint32_t random = 20261130;
-    const auto lost = [&random](const Bytes &) {
-        random = random * 1664525U + 1013904223U;
-        return random >> 24 < 26;
-    };
-    bench.drop_to_robot = lost;
-    bench.drop_to_client = [&](const Bytes &bytes) { return !is_status(bytes) && lost(bytes); };
+    lose(bench, 26, random);
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.2F, 600 * second)) << "seed 20261130";
 }
 
@@ -252,11 +258,6 @@ TEST(Uplink, IsProvenByAZeroThatWasSent) {
 TEST(Uplink, ThatLosesAFifthDisarmsNobody) {
     Armed bench;
     std::uint32_t random = 20261124;
-    const auto lost = [&random](const Bytes &) {
-        random = random * 1664525U + 1013904223U;
-        return random >> 24 < 51;
-    };
-    bench.drop_to_robot = lost;
-    bench.drop_to_client = [&](const Bytes &bytes) { return !is_status(bytes) && lost(bytes); };
+    lose(bench, 51, random);
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.2F, 600 * second)) << "seed 20261124";
 }
