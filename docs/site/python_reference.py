@@ -15,6 +15,7 @@ import roburoc4.notices
 import roburoc4.offline
 import roburoc4.records
 import roburoc4.robot_file
+import roburoc4.samples
 from roburoc4_tools import recordings
 
 HEAD = """\
@@ -22,9 +23,9 @@ HEAD = """\
 
 Every name of the package `roburoc4`; [python.md](python.md) shows how they are used. What is on the
 wire is in `roburoc4.protocol`; the types of what attributes return, in `roburoc4.records` and
-`roburoc4.iocard`; what bridges and tools use, in `roburoc4.gate`, `latest`, `notices`, `offline`
-and `robot_file`; what reads recordings, in `roburoc4_tools.recordings`: their names are shown with
-the module. In `roburoc4.aio` methods of the same names are awaited.
+`roburoc4.iocard`; what bridges and tools use, in `roburoc4.gate`, `latest`, `notices`, `offline`,
+`robot_file` and `samples`; what reads recordings, in `roburoc4_tools.recordings`: their names are
+shown with the module. In `roburoc4.aio` methods of the same names are awaited.
 """
 
 
@@ -37,6 +38,7 @@ PARTS = (
     roburoc4.notices,
     roburoc4.offline,
     roburoc4.robot_file,
+    roburoc4.samples,
 )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from rig import Bridge, Bus, Program, Robot
-from roburoc4_tools.cli.lcm_doctor import LcmFindings, Network, judge
+from roburoc4_tools.cli.connecting.lcm_doctor import LcmFindings, Network, judge
 
 Run = Callable[..., Program]
 FAKE = Path(__file__).parent / "rig" / "fake_bridge.py"

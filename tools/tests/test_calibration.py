@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from roburoc4 import ArgumentError, Simulator
-from roburoc4_tools.cli import calibrate
+from roburoc4_tools.cli.driving import calibrate
 from roburoc4_tools.cli.errors import CommandError
 from roburoc4_tools.cli.options import Options
 

@@ -165,7 +165,8 @@ def test_fault_route(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixt
     def no_route(_self: socket.socket, _address: object) -> None:
         raise OSError(errno.ENETUNREACH, "Network is unreachable")
 
-    monkeypatch.setattr("roburoc4_tools.cli.probe.socket.socket.connect", no_route, raising=False)
+    connect = "roburoc4_tools.cli.connecting.probe.socket.socket.connect"
+    monkeypatch.setattr(connect, no_route, raising=False)
     options = app.parser().parse_args(["doctor", "--robot", "192.0.2.1"])
     assert options.run(options) == 3
     assert "verdict 2, route" in capsys.readouterr().out

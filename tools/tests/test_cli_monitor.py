@@ -14,8 +14,8 @@ from robot_support import until
 
 import roburoc4
 from roburoc4_tools.cli.names import names_of
-from roburoc4_tools.cli.snapshot import take
-from roburoc4_tools.cli.view import render
+from roburoc4_tools.cli.watching.snapshot import take
+from roburoc4_tools.cli.watching.view import render
 
 FIELDS = {
     "iocard": {"analog_inputs", "digital_inputs"},

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from roburoc4_tools.cli import options, output
-from roburoc4_tools.cli.verdict import Findings, Stream, judge
+from roburoc4_tools.cli.connecting.verdict import Findings, Stream, judge
 from roburoc4_tools.terminal.deadman import FIRST_S, REPEAT_S, DeadMan
 from roburoc4_tools.terminal.keyboard import Decoder, Key, is_ctrl_c
 

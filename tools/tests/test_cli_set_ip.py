@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator
 import pytest
 from cli_support import Terminal, document, one_line, run, start
 
-from roburoc4_tools.cli import netcfg
+from roburoc4_tools.cli.connecting import netcfg
+from roburoc4_tools.cli.connecting.set_ip import checked
 from roburoc4_tools.cli.errors import CommandError
-from roburoc4_tools.cli.set_ip import checked
 
 NEW = ("10.0.0.10", "255.0.0.0", "10.0.0.1")
 ASKED = b"netcfg 10.0.0.10 255.0.0.0 10.0.0.1\r\n"

@@ -153,7 +153,7 @@ def test_a_full_disk_is_one_line(command: str) -> None:
 
 def test_an_unexpected_error_is_one_line() -> None:
     program = (
-        "import sys; import roburoc4_tools.cli.info as info;"
+        "import sys; import roburoc4_tools.cli.watching.info as info;"
         "info.names_of = lambda robot: 1 / 0;"
         "sys.argv = ['roburoc4', 'info'];"
         "from roburoc4_tools.cli import main; main()"

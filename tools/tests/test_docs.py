@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: MIT
 """The pages show what there is: commands, options, the names of the reference."""
 
+import ast
 import re
 import shlex
 from pathlib import Path
 
 import pytest
+import python_reference
 
 from roburoc4_tools.cli.app import parser
 
@@ -30,3 +32,14 @@ def test_the_manual_page_has_every_command_and_no_other() -> None:
     (commands,) = [action for action in parser()._actions if isinstance(action.choices, dict)]
     shown = re.findall(r"^\\fBroburoc4\\fR \\fI\\,(.*)\\/\\fR$", text, re.M)
     assert shown == list(commands.choices)
+
+
+def test_tools_use_only_names_of_the_reference() -> None:
+    public = {"__version__", "aio", *dir(python_reference.roburoc4)}
+    for module in python_reference.PARTS:
+        public |= {module.__name__.partition(".")[2], *module.__all__}
+    for room in ("tools/src", "ros2/src"):
+        for file in (DOCS.parent / room).rglob("*.py"):
+            for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.ImportFrom) and re.match(r"roburoc4\b", node.module or ""):
+                    assert {name.name for name in node.names} <= public, f"{file}:{node.lineno}"

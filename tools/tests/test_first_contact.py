@@ -11,7 +11,7 @@ from unittest.mock import Mock, patch
 import pytest
 
 from roburoc4 import Robot, Simulator, connect, robot_file
-from roburoc4_tools.cli import first_contact
+from roburoc4_tools.cli.connecting import first_contact
 from roburoc4_tools.cli.errors import CommandError
 from roburoc4_tools.first_contact import bundle, ground
 from roburoc4_tools.first_contact.contact import Contact

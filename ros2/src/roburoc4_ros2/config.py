@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from roburoc4 import ArgumentError, robot_file
-from roburoc4.settings import STATUS_SERVICES
+from roburoc4.protocol import STATUS_SERVICES
 from roburoc4_tools.ros.odometry import Frames
 from roburoc4_tools.ros.published import CMD_VEL, CMD_VEL_UNSTAMPED, PUBLISHED, STOPS, Topic
 

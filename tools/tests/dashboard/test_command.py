@@ -22,7 +22,8 @@ from station import MARGIN_S, free_port, until
 from websockets.exceptions import ConnectionClosed
 
 import roburoc4
-from roburoc4_tools.cli import app, dashboard
+from roburoc4_tools.cli import app
+from roburoc4_tools.cli.watching import dashboard
 
 MAIN = "from roburoc4_tools.cli import main; main()"
 ARGUMENTS = ["dashboard", "--no-open", "--port", "0"]

@@ -30,6 +30,9 @@ DEFAULT_HOST = "192.168.0.2"
 DEFAULT_PORT = 60000
 CYCLE_S = 0.01
 """One low-level cycle of the robot in seconds: the unit of ``robot_cycles``."""
+MAX_DRIVE_M_S = _native.ROBUROC4_MAX_DRIVE_M_S
+MAX_DRIVE_RAD_S = _native.ROBUROC4_MAX_DRIVE_RAD_S
+"""The highest speeds that ``drive`` takes, and the highest ceilings."""
 
 
 class Service(IntEnum):

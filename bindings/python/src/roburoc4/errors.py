@@ -6,7 +6,7 @@ from inspect import iscoroutinefunction
 from typing import Any
 
 from . import _native
-from .constants import Result
+from .constants import MAX_DRIVE_M_S, MAX_DRIVE_RAD_S, Result
 
 __all__ = [
     "ArgumentError",
@@ -124,11 +124,11 @@ def check_heading(theta_rad: float) -> None:
 def check_speeds(linear_m_s: float, angular_rad_s: float) -> None:
     """Reject speeds that are not finite, or beyond any RobuROC4: mistakes of units."""
     finite(linear_m_s=linear_m_s, angular_rad_s=angular_rad_s)
-    if abs(linear_m_s) > MAX_M_S:
-        usable = f"m/s (not mm/s), at most {MAX_M_S:g}"
+    if abs(linear_m_s) > MAX_DRIVE_M_S:
+        usable = f"m/s (not mm/s), at most {MAX_DRIVE_M_S:g}"
         raise unusable("linear_m_s", linear_m_s, usable, Result.UNITS)
-    if abs(angular_rad_s) > MAX_RAD_S:
-        usable = f"rad/s (not degrees), at most {MAX_RAD_S:g}"
+    if abs(angular_rad_s) > MAX_DRIVE_RAD_S:
+        usable = f"rad/s (not degrees), at most {MAX_DRIVE_RAD_S:g}"
         raise unusable("angular_rad_s", angular_rad_s, usable, Result.UNITS)
 
 
@@ -168,9 +168,7 @@ def switch(name: str, value: object, code: int = Result.ARGUMENT) -> bool:
 
 
 _FLOAT_MAX = 3.4e38
-MAX_M_S = _native.ROBUROC4_MAX_DRIVE_M_S
 MAX_HEADING_RAD = 12.57
-MAX_RAD_S = _native.ROBUROC4_MAX_DRIVE_RAD_S
 _LONGEST_S = 1e9
 _CLASSES: dict[int, type[RobotError]] = {
     Result.ARGUMENT: ArgumentError,

@@ -8,10 +8,8 @@ from typing import NamedTuple, TypeAlias
 
 from . import _native
 from .connection import Connection
-from .constants import MoveOutcome, Result, Service
+from .constants import MAX_DRIVE_M_S, MAX_DRIVE_RAD_S, MoveOutcome, Result, Service
 from .errors import (
-    MAX_M_S,
-    MAX_RAD_S,
     ArgumentError,
     ClosedError,
     NotKnownError,
@@ -99,8 +97,8 @@ class MoveOptions(NamedTuple):
         if timeout_s is not None:
             set_member("move_options", options, "timeout_ms", round(timeout_s * 1000))
         for name, most, unit in (
-            ("max_linear_m_s", MAX_M_S, "m/s"),
-            ("max_angular_rad_s", MAX_RAD_S, "rad/s"),
+            ("max_linear_m_s", MAX_DRIVE_M_S, "m/s"),
+            ("max_angular_rad_s", MAX_DRIVE_RAD_S, "rad/s"),
         ):
             value = getattr(self, name)
             if value is not None and not (is_within(0.0, value, most) and value > 0.0):
@@ -127,8 +125,8 @@ def arc_options(
     """Choose the turn rate that results from the speed."""
     finite(distance_m=distance_m, angle_rad=angle_rad)
     turn_rate = None
-    if speed is not None and is_within(0.0, speed, MAX_M_S) and distance_m != 0.0:
-        turn_rate = min(speed * abs(angle_rad / distance_m), MAX_RAD_S) or None
+    if speed is not None and is_within(0.0, speed, MAX_DRIVE_M_S) and distance_m != 0.0:
+        turn_rate = min(speed * abs(angle_rad / distance_m), MAX_DRIVE_RAD_S) or None
     return MoveOptions(speed, turn_rate, clearance, timeout, allow_turns)
 
 
@@ -141,7 +139,11 @@ class Move:
         linear_m_s, angular_rad_s, *_ = options
         self._asked = f"speed: {linear_m_s} m/s" if linear_m_s else f"speed: {angular_rad_s} rad/s"
         if linear_m_s and angular_rad_s:
-            rate = f"{angular_rad_s:.3g}" if angular_rad_s < MAX_RAD_S else f"over {MAX_RAD_S:g}"
+            rate = (
+                f"{angular_rad_s:.3g}"
+                if angular_rad_s < MAX_DRIVE_RAD_S
+                else f"over {MAX_DRIVE_RAD_S:g}"
+            )
             self._asked += f", at which this arc turns with {rate} rad/s"
         self._ahead = True
         self._move = _native.new_move()

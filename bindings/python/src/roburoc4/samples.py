@@ -287,7 +287,7 @@ class Recording(dict[str, dict[str, Column]]):
             import pandas
         except ModuleNotFoundError:
             raise ModuleNotFoundError(
-                'to_pandas needs pandas: pip install "./bindings/python[pandas]" in a checkout',
+                "to_pandas needs pandas: pip install pandas, or apt install python3-pandas",
                 name="pandas",
             ) from None
         return {

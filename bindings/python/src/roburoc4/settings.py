@@ -97,6 +97,7 @@ STATUS_SERVICES = {
     "localization": Service.LOCALIZATION,
     "differential": Service.DIFFERENTIAL,
 }
+"""The services that send statuses, by name."""
 
 
 def service_of(service: str | Service) -> Service:

@@ -205,8 +205,7 @@ def decode_batch(
         import numpy as np
     except ImportError as error:
         raise ImportError(
-            'decode_batch needs NumPy: pip install "./bindings/python[numpy]" in a checkout '
-            "(see docs/python.md)",
+            "decode_batch needs NumPy: pip install numpy, or apt install python3-numpy",
             name="numpy",
         ) from error
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The command `roburoc4`: watch, check and drive a robot.
 
-Each command has its own file; the other files are shared.
+Each command has a file in the folder of its kind; the files beside the folders are shared.
 """
 
 from __future__ import annotations

@@ -7,33 +7,14 @@ import argparse
 import os
 import sys
 
-from . import (
-    calibrate,
-    completion,
-    convert,
-    cut,
-    dashboard,
-    dissector,
-    doctor,
-    drive,
-    events,
-    first_contact,
-    foxglove,
-    info,
-    monitor,
-    moves,
-    one_shot,
-    record,
-    recover,
-    replay,
-    report,
-    ros2,
-    set_ip,
-    sim,
-    teleop,
-)
+from . import completion
+from .connecting import dissector, doctor, first_contact, set_ip
+from .driving import calibrate, drive, moves, one_shot, teleop
 from .errors import CommandError, ExitCode, of_library, refused, usage
 from .options import Parser, add_robot, shield_numbers
+from .recording import convert, cut, events, record, recover, replay, report
+from .simulating import sim
+from .watching import dashboard, foxglove, info, monitor, ros2
 
 _COMMANDS = (
     info,

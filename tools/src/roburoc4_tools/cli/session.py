@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from roburoc4 import DifferentialStatus
-from roburoc4.errors import MAX_M_S, MAX_RAD_S
 from roburoc4.latest import latest
+from roburoc4.protocol import MAX_DRIVE_M_S, MAX_DRIVE_RAD_S
 
 from ..terminal.signals import Signalled, unsuspendable
 from .errors import refused, unreachable, usage
@@ -155,8 +155,8 @@ def _ceilings(linear_m_s: float, angular_rad_s: float, known: dict[str, float]) 
     linear_m_s = abs(linear_m_s) * max(1.0, known.get("scale_linear", 1.0) * rounding)
     angular_rad_s = abs(angular_rad_s) * max(1.0, known.get("scale_angular", 1.0) * rounding)
     return {
-        "max_linear_m_s": min(max(_CEILING_M_S, linear_m_s), MAX_M_S),
-        "max_angular_rad_s": min(max(_CEILING_RAD_S, angular_rad_s), MAX_RAD_S),
+        "max_linear_m_s": min(max(_CEILING_M_S, linear_m_s), MAX_DRIVE_M_S),
+        "max_angular_rad_s": min(max(_CEILING_RAD_S, angular_rad_s), MAX_DRIVE_RAD_S),
     }
 
 

@@ -18,6 +18,7 @@ from roburoc4.constants import (
 from roburoc4.errors import NotKnownError
 from roburoc4.latest import latest
 from roburoc4.notices import texts_of
+from roburoc4.protocol import STATUS_SERVICES
 from roburoc4.records import (
     BatteryProperties,
     BatteryStatus,
@@ -31,7 +32,6 @@ from roburoc4.records import (
     TelemeterStatus,
 )
 from roburoc4.robot import Robot
-from roburoc4.settings import STATUS_SERVICES
 
 from ..recordings.replay import TEXT
 from .advice import STALE_MS, advise, why_not_armed

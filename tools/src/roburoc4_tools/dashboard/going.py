@@ -7,11 +7,12 @@ import threading
 from typing import NamedTuple
 
 from roburoc4.errors import RobotError
-from roburoc4.moves import STEP_S, MoveResult
+from roburoc4.moves import MoveResult
 from roburoc4.robot import Robot
 
 ENDED = "the move was ended"
 _LATE = "the driver's page was late"
+_STEP_S = 0.05  # goto() calls on_progress at least this often
 
 
 class _EndedError(Exception):
@@ -59,7 +60,7 @@ class Going:
 
     def renew(self, end_s: float) -> None:
         """Continue until this time; it is checked once per step, so one step is subtracted."""
-        self._end_s = end_s - STEP_S
+        self._end_s = end_s - _STEP_S
 
     def end(self) -> None:
         """Stop at the next step."""

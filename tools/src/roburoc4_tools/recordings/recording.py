@@ -11,11 +11,18 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, Unpack
 
-from roburoc4.constants import DEFAULT_PORT, Action, Event, Service, WireError
-from roburoc4.errors import DecodeError, RecordingError, unusable
+from roburoc4.constants import DEFAULT_PORT, Action, Event, Result, Service, WireError
+from roburoc4.errors import ArgumentError, DecodeError, RecordingError
 from roburoc4.notices import texts_of
 from roburoc4.offline import OfflineClient
-from roburoc4.protocol import Layout, decode, encode_answer, usual_answer
+from roburoc4.protocol import (
+    STATUS_SERVICES,
+    Layout,
+    decode,
+    encode_answer,
+    service_of,
+    usual_answer,
+)
 from roburoc4.records import (
     Answer,
     DifferentialCommand,
@@ -27,7 +34,7 @@ from roburoc4.records import (
 )
 from roburoc4.robot import Robot
 from roburoc4.samples import flatten
-from roburoc4.settings import STATUS_SERVICES, Settings, service_of
+from roburoc4.settings import Settings
 
 from .capture import Capture, Datagram, Endpoint
 
@@ -444,7 +451,10 @@ class RecordedRobot:
 
     def __init__(self, path: str | Path, robot: str | None = None) -> None:
         if not isinstance(path, str | Path) or "\0" in str(path):
-            raise unusable("path", path, "the path of a capture, as str or Path")
+            raise ArgumentError(
+                f"path: {path!r} cannot be used; give the path of a capture, as str or Path",
+                Result.ARGUMENT,
+            )
         self.path = Path(path)
         self.head = _Head(self.path, robot)
 
@@ -492,7 +502,7 @@ class RecordedRobot:
             import numpy as np
         except ImportError as error:
             raise ImportError(
-                'columns needs NumPy: pip install ./bindings/python "./tools[numpy]" in a checkout',
+                "columns needs NumPy: pip install numpy, or apt install python3-numpy",
                 name="numpy",
             ) from error
         kind = service_of(service).name.lower()

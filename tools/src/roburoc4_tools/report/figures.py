@@ -10,6 +10,7 @@ from typing import Any
 
 from roburoc4.constants import BatteryState, Role
 from roburoc4.errors import NotKnownError
+from roburoc4.protocol import STATUS_SERVICES
 from roburoc4.records import (
     BatteryStatus,
     DifferentialCommand,
@@ -18,7 +19,6 @@ from roburoc4.records import (
     LocalizationStatus,
     TelemeterStatus,
 )
-from roburoc4.settings import STATUS_SERVICES
 
 from ..recordings.recording import Command, RecordedEvent, RecordedRobot
 from .series import Series

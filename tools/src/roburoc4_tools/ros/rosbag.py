@@ -13,6 +13,7 @@ from typing import IO
 
 from roburoc4 import __version__
 from roburoc4.errors import RecordingError
+from roburoc4.protocol import STATUS_SERVICES
 from roburoc4.records import (
     BatteryStatus,
     DifferentialStatus,
@@ -21,7 +22,6 @@ from roburoc4.records import (
     TelemeterStatus,
 )
 from roburoc4.robot import Robot
-from roburoc4.settings import STATUS_SERVICES
 
 from .cdr import CdrReader
 from .messages import definition, ros_name

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Commands that find, check and set up the connection with a robot."""

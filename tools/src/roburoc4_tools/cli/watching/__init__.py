@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Commands that show what a robot does."""
