@@ -84,9 +84,10 @@ extern "C" {
 #define ROBUROC4_MOVE_LOST 6      /* statuses that it needs, or commands, do not arrive */
 #define ROBUROC4_MOVE_OTHER_COMMANDER 7 /* another client commands the robot */
 #define ROBUROC4_MOVE_TIMEOUT 8         /* it took longer than timeout_ms */
-#define ROBUROC4_MOVE_CANCELLED 9 /* by roburoc4_move_cancel(), client_pause() or client_stop() */
-#define ROBUROC4_MOVE_LAPSED 10   /* the program hung: a lease of the move expired */
-#define ROBUROC4_MOVE_ODOMETRY 11 /* commands, speeds and pose disagree */
+/* by roburoc4_move_cancel(), client_pause() or client_stop(); not armed; or it could not begin */
+#define ROBUROC4_MOVE_CANCELLED 9
+#define ROBUROC4_MOVE_LAPSED 10      /* the program hung: a lease of the move expired */
+#define ROBUROC4_MOVE_ODOMETRY 11    /* commands, speeds and pose disagree */
 #define ROBUROC4_MOVE_RELOCALIZED 12 /* the pose was set, or jumped */
 #define ROBUROC4_MOVE_OFF_COURSE 13  /* at rest, not at its goal; or far off its path */
 #define ROBUROC4_MOVE_TOO_FAST 14    /* asked for a speed beyond the client's ceilings */
@@ -97,8 +98,8 @@ extern "C" {
 #define ROBUROC4_MOVE_NO_REAR_TELEMETER 18
 
 /** An outcome as one English sentence without a full stop: what happened and what to do. For a
- *  negative number from roburoc4_pump_move(): roburoc4_result_text(). "unknown outcome" for an
- *  invalid one. Valid as long as the program runs. */
+ *  negative number, as from roburoc4_pump_move(), its roburoc4_result_text(). "unknown outcome" for
+ *  an invalid one. Valid as long as the program runs. */
 ROBUROC4_API const char *roburoc4_move_outcome_text(int32_t outcome);
 
 /* -------------------------------------------------------------------------------- options --- */
@@ -208,7 +209,8 @@ ROBUROC4_API roburoc4_result roburoc4_move_rest(roburoc4_move *move,
 ROBUROC4_API int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client,
                                         uint64_t now_us);
 /** The input of a move. roburoc4_move_step() takes it from a client. If another process has the
- *  client, such as the LCM bridge, fill it with what that reports, and 0 for the rest. */
+ *  client, such as the LCM bridge, fill it with what that reports, as it reports it, and 0 for the
+ *  rest. The step scales what the robot counts. */
 typedef struct roburoc4_move_view {
     uint32_t size;         /* set by ROBUROC4_SIZED() */
     uint32_t relocalized;  /* changes with each relocalization */
@@ -216,7 +218,7 @@ typedef struct roburoc4_move_view {
     uint64_t pose_cycles;  /* robot time of the pose; 0: none yet, not fresh, or not usable */
     double x_m, y_m, theta_rad;
     float linear_m_s, angular_rad_s;           /* measured */
-    float sent_linear_m_s, sent_angular_rad_s; /* the last speeds sent; 0 after a stop */
+    float sent_linear_m_s, sent_angular_rad_s; /* last asked for, not scaled; 0 after a stop */
     float max_linear_m_s, max_angular_rad_s;   /* the robot's own; 0: not known */
     float max_linear_m_s2, max_angular_rad_s2; /* likewise */
     float front_m, rear_m;                     /* distances ahead and behind */
@@ -226,8 +228,9 @@ typedef struct roburoc4_move_view {
     uint8_t front_bumper, rear_bumper; /* pressed */
     uint8_t front_bumper_known, rear_bumper_known;
     uint8_t front_known, rear_known; /* a telemeter looks there, and reports */
-    uint8_t reserved[7];
-    float true_per_pose_m, true_per_pose_rad; /* real per reported distance and angle; 0 means 1 */
+    uint8_t pose_external;           /* a localizer contributes: the pose is not scaled */
+    uint8_t reserved[6];
+    float scale_linear, scale_angular; /* those of roburoc4_config; 0 means 1 */
 } roburoc4_move_view;
 
 /** roburoc4_move_step() with your own view. When the move ends, your program must stop the robot;

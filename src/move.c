@@ -388,8 +388,10 @@ static void note_gap(roburoc4_move *m, uint32_t passed) {
     }
 }
 
-static float factor(float true_per_pose) {
-    return is_zero(true_per_pose) || !is_finite(true_per_pose) ? 1 : true_per_pose;
+/** The true length of what the robot counts as one. */
+static float per_count(float scale) {
+    const float true_length = is_zero(scale) ? 1 : 1 / scale;
+    return is_zero(true_length) || !is_finite(true_length) ? 1 : true_length;
 }
 
 /** How far a pose may be from the last one: what may be commanded at any moment, and what the robot
@@ -408,8 +410,8 @@ static bool note_pose(roburoc4_move *m, const roburoc4_move_view *v, roburoc4_mo
     const float passed_s = seconds_in(passed);
     const int64_t pose[] = {fixed(v->x_m), fixed(v->y_m), fixed(v->theta_rad)};
     /* An external localizer may begin, or fall silent. */
-    m->private_per_pose[LENGTH] = factor(v->true_per_pose_m);
-    m->private_per_pose[ANGLE] = factor(v->true_per_pose_rad);
+    m->private_per_pose[LENGTH] = v->pose_external != 0 ? 1 : per_count(v->scale_linear);
+    m->private_per_pose[ANGLE] = v->pose_external != 0 ? 1 : per_count(v->scale_angular);
     if (m->private_posed) {
         const float x = unfixed(pose[0] - m->private_pose[0]);
         const float y = unfixed(pose[1] - m->private_pose[1]);
@@ -907,7 +909,19 @@ static int32_t drive_on(roburoc4_move *m, float passed_s, uint64_t now_us) {
     return arrived(m) ? end_leg(m) : ROBUROC4_MOVE_RUNNING;
 }
 
-int32_t roburoc4_move_advance(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
+/** What the robot counts is wrong by the factors with which its speeds are. */
+static void make_true(roburoc4_move_view *v) {
+    const float length = per_count(v->scale_linear), angle = per_count(v->scale_angular);
+    v->linear_m_s *= length;
+    v->max_linear_m_s *= length;
+    v->max_linear_m_s2 *= length;
+    v->angular_rad_s *= angle;
+    v->max_angular_rad_s *= angle;
+    v->max_angular_rad_s2 *= angle;
+}
+
+int32_t roburoc4_move_advance(roburoc4_move *m, roburoc4_move_view *v, uint64_t now_us) {
+    make_true(v);
     int32_t outcome = m->private_ready ? ROBUROC4_MOVE_RUNNING : plan(m, v, now_us);
     const uint64_t passed = now_us - m->private_step_us;
     const uint32_t passed_us = passed > STEP_MAX_US ? 0 : (uint32_t)passed;

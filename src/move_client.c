@@ -76,19 +76,18 @@ static void view_speeds(roburoc4_move_view *v, const roburoc4_client *client,
     }
 }
 
-/** Whether there is a pose that the wheels alone count. */
-static bool view_pose(roburoc4_move_view *v, const roburoc4_client *client,
+static void view_pose(roburoc4_move_view *v, const roburoc4_client *client,
                       const roburoc4_facts *facts) {
     roburoc4_localization_status pose;
     if (facts->age_us[ROBUROC4_SERVICE_LOCALIZATION] >= client->private_config.fresh_ms * 1000U ||
         roburoc4_client_localization(client, &pose, NULL) != ROBUROC4_OK || !usable(&pose)) {
-        return false;
+        return;
     }
     v->pose_cycles = pose.robot_cycles;
     v->x_m = pose.x_m;
     v->y_m = pose.y_m;
     v->theta_rad = pose.theta_rad;
-    return (pose.flags & ROBUROC4_LOCALIZATION_EXTEROCEPTIVE) == 0;
+    v->pose_external = (pose.flags & ROBUROC4_LOCALIZATION_EXTEROCEPTIVE) != 0;
 }
 
 static void view_client(roburoc4_move_view *v, const roburoc4_client *client,
@@ -98,21 +97,11 @@ static void view_client(roburoc4_move_view *v, const roburoc4_client *client,
     v->relocalized = (uint32_t)client->private_outputs.relocalize_us;
     view_facts(v, facts);
     view_speeds(v, client, facts);
-    /* What the robot counts is wrong by the factors with which its speeds are. */
-    const float length = 1 / client->private_config.scale_linear;
-    const float angle = 1 / client->private_config.scale_angular;
-    v->linear_m_s *= length;
-    v->sent_linear_m_s *= length;
-    v->max_linear_m_s *= length;
-    v->max_linear_m_s2 *= length;
-    v->angular_rad_s *= angle;
-    v->sent_angular_rad_s *= angle;
-    v->max_angular_rad_s *= angle;
-    v->max_angular_rad_s2 *= angle;
-    if (view_pose(v, client, facts)) {
-        v->true_per_pose_m = length;
-        v->true_per_pose_rad = angle;
-    }
+    v->scale_linear = client->private_config.scale_linear;
+    v->scale_angular = client->private_config.scale_angular;
+    v->sent_linear_m_s *= 1 / v->scale_linear;
+    v->sent_angular_rad_s *= 1 / v->scale_angular;
+    view_pose(v, client, facts);
     view_distances(v, client);
 }
 

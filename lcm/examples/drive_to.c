@@ -41,6 +41,7 @@ typedef struct trip {
     roburoc4_move_view view;
     int64_t moved_us;           /* when the first speed was commanded; 0: not yet */
     int obeyed;                 /* the bridge has received a command of ours */
+    int scaled;                 /* the robot's scales are known */
     int ready, driven, stopped; /* it can be driven; it was driven; then it no longer could */
     char message[256];          /* the bridge's last message */
 } trip;
@@ -79,7 +80,18 @@ static void on_localization(const lcm_recv_buf_t *buffer, const char *channel,
         view->x_m = pose->x_m;
         view->y_m = pose->y_m;
         view->theta_rad = pose->theta_rad;
+        view->pose_external = (pose->flags & ROBUROC4_LOCALIZATION_EXTEROCEPTIVE) != 0;
     }
+}
+
+static void on_properties(const lcm_recv_buf_t *buffer, const char *channel,
+                          const roburoc4_lcm_robot_properties_t *robot, void *user) {
+    trip *trip = user;
+    (void)buffer;
+    (void)channel;
+    trip->view.scale_linear = robot->scale_linear;
+    trip->view.scale_angular = robot->scale_angular;
+    trip->scaled = 1;
 }
 
 static void on_differential(const lcm_recv_buf_t *buffer, const char *channel,
@@ -134,7 +146,7 @@ static void on_bridge_state(const lcm_recv_buf_t *buffer, const char *channel,
 
 /* Handle what has arrived, and command the resulting speeds; 0 at the end. */
 static int step(trip *trip) {
-    if (trip->ready == 0) {
+    if (trip->ready == 0 || trip->scaled == 0) {
         return 1;
     }
     const int64_t age_us = now_us() - trip->distances_us;
@@ -223,6 +235,8 @@ int main(int count, char **arguments) {
     (void)snprintf(trip.command_channel, sizeof trip.command_channel, "%s_DRIVE_CMD", prefix);
     (void)snprintf(channel, sizeof channel, "%s_LOCALIZATION", prefix);
     (void)roburoc4_lcm_localization_status_t_subscribe(trip.lcm, channel, on_localization, &trip);
+    (void)snprintf(channel, sizeof channel, "%s_PROPERTIES", prefix);
+    (void)roburoc4_lcm_robot_properties_t_subscribe(trip.lcm, channel, on_properties, &trip);
     (void)snprintf(channel, sizeof channel, "%s_DIFFERENTIAL", prefix);
     (void)roburoc4_lcm_differential_status_t_subscribe(trip.lcm, channel, on_differential, &trip);
     (void)snprintf(channel, sizeof channel, "%s_TELEMETER", prefix);

@@ -947,8 +947,8 @@ TEST_F(MoveView, AMoveToAPointDoesNotTurnBeforeItSeesAhead) {
 
 TEST_F(MoveView, ItTurnsTheShortWayAndTheScaledWay) {
     view.theta_rad = 3;
-    view.true_per_pose_m = 2;
-    view.true_per_pose_rad = 0.5F;
+    view.scale_linear = 0.5F;
+    view.scale_angular = 2;
     theta_rad = 3;
     ASSERT_EQ(ROBUROC4_OK,
               roburoc4_move_to_point(&move, 5 * std::cos(-3), 5 * std::sin(-3), nullptr));
@@ -964,17 +964,38 @@ TEST_F(MoveView, ItTurnsTheShortWayAndTheScaledWay) {
     EXPECT_NEAR(0.5 * (2 * pi - 6), move.remaining_rad, 1e-3);
 }
 
+TEST_F(MoveView, WhatTheRobotReportsIsScaled) {
+    view.scale_linear = 0.7F;
+    view.scale_angular = 1.3F;
+    view.max_linear_m_s = 0.21F; /* really 0.3 */
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2, 0, nullptr));
+    step();
+    float fastest_m_s = 0;
+    while (follow(50000, 0.7, 1.3) == ROBUROC4_MOVE_RUNNING)
+        fastest_m_s = std::max(fastest_m_s, move.linear_m_s);
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.outcome);
+    EXPECT_NEAR(0.7 * 2, x_m, 0.01);
+    EXPECT_NEAR(0.3F, fastest_m_s, 0.005F);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0, 1, nullptr));
+    step();
+    while (follow(50000, 0.7, 1.3) == ROBUROC4_MOVE_RUNNING) {
+    }
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.outcome);
+    EXPECT_NEAR(1.3, theta_rad, 0.02);
+}
+
 TEST_F(MoveView, WhatAPoseMeansMayChangeInMidMove) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2, 0, nullptr));
-    view.true_per_pose_m = 0.5F;
+    view.scale_linear = 2;
     step();
     float driven_m = 0;
     while (driven_m < 1) {
         if (driven_m > 0.5F)
-            view.true_per_pose_m = 1; /* an external localizer begins */
-        view.sent_linear_m_s = view.linear_m_s = move.linear_m_s;
+            view.pose_external = 1;
+        view.sent_linear_m_s = move.linear_m_s;
+        view.linear_m_s = 2 * move.linear_m_s;
         driven_m += 0.05F * move.linear_m_s;
-        view.x_m += double{0.05F * move.linear_m_s / view.true_per_pose_m};
+        view.x_m += double{0.05F * move.linear_m_s * (view.pose_external != 0 ? 1 : 2)};
         view.speed_cycles = view.pose_cycles += 5;
         now_us += 50000;
         ASSERT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step_view(&move, &view, now_us));
@@ -1180,8 +1201,9 @@ TEST_F(MoveView, WhatIsLeftIsExactFromAnyPose) {
             if (i % 3 == 0)
                 break;
         }
-        if (i % 3 != 0)
+        if (i % 3 != 0) {
             ASSERT_NEAR(way, move.remaining_m, 1e-4 * (1 + way));
+        }
         ASSERT_EQ(ROBUROC4_OK,
                   roburoc4_move_to_pose(&move, view.x_m, view.y_m, drawn.within(12), nullptr));
         const double theta = double{move.private_goal[1]};
@@ -1601,8 +1623,8 @@ TEST_F(MoveView, WayIsTheMeanOfTwoSpeedsAndThePoseIsScaled) {
     }
     view.linear_m_s = 0;
     view.pose_cycles = 1;
-    view.true_per_pose_m = 1.5F;
-    view.true_per_pose_rad = 0.5F;
+    view.scale_linear = 1 / 1.5F;
+    view.scale_angular = 2;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2, 0, nullptr));
     step();
     view.x_m = 0.01;
@@ -1693,8 +1715,9 @@ TEST(MoveOfAClient, StatusesOfBeforeAHangDoNotShowRest) {
         bench.now_us += 350000;
         for (const auto &bytes : waiting) {
             bench.receive(bytes);
-            if (one_by_one)
+            if (one_by_one) {
                 ASSERT_EQ(ROBUROC4_MOVE_RUNNING, step());
+            }
         }
         EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
     }
