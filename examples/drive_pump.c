@@ -36,7 +36,7 @@ static void write_poses(roburoc4_pump_reader *reader, FILE *file) {
 int main(int argc, char **argv) {
     const float turns_rad[] = {TURN_RAD, -TURN_RAD}; /* to the left, then to the right */
     roburoc4_move_options options;
-    roburoc4_pump_reader reader = {0, 0, 0};
+    roburoc4_pump_reader reader = {0};
     roburoc4_address robot;
     roburoc4_result result = roburoc4_udp_resolve(argc > 1 ? argv[1] : "127.0.0.1", 0, &robot);
     if (result < 0 || (pump = roburoc4_pump_create(&robot, NULL, 0, NULL, &result)) == NULL) {

@@ -216,7 +216,7 @@ static void show_all(roburoc4_pump *pump, uint64_t until_us) {
 
 /* Wait until the robot is ready. Returns 0, with a message, if there is none. */
 static int connected(roburoc4_pump *pump, const char *host) {
-    roburoc4_pump_reader reader = {0, 0, 0};
+    roburoc4_pump_reader reader = {0};
     uint64_t begun_us = roburoc4_udp_now_us();
     while (!interrupted &&
            roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_READY, WAIT_US) == 0) {

@@ -158,7 +158,7 @@ typedef union roburoc4_sample_value {
     roburoc4_differential_status differential;
 } roburoc4_sample_value;
 
-/** A sample is one status with its times. */
+/** A sample is one status with its times. This struct is frozen. */
 typedef struct roburoc4_sample {
     uint64_t sequence;     /* 0, 1, 2 ... over all services, in the order of arrival */
     uint64_t robot_cycles; /* when, on the robot's clock */
@@ -184,6 +184,7 @@ typedef struct roburoc4_pump_reader {
     uint64_t next_sample; /* sequence of the next sample to read */
     uint64_t lost;        /* samples that were overwritten before this reader read them */
     uint64_t private_next_event;
+    uint64_t private_spare[2];
 } roburoc4_pump_reader;
 
 /** Start with the samples and events from now on instead. ROBUROC4_ERR_CLOSED only in a forked
@@ -191,8 +192,8 @@ typedef struct roburoc4_pump_reader {
 ROBUROC4_API roburoc4_result roburoc4_pump_reader_init(roburoc4_pump *pump,
                                                        roburoc4_pump_reader *reader);
 /** Copy up to `capacity` samples, oldest first; never waits. Returns their number, 0 if all were
- *  read; ROBUROC4_ERR_CLOSED if no more will come. reader->lost grows by the samples that were
- *  overwritten before this call. */
+ *  read; ROBUROC4_ERR_CLOSED if all were read and no more will come. reader->lost grows by the
+ *  samples that were overwritten before this call. */
 ROBUROC4_API roburoc4_result roburoc4_pump_read_samples(roburoc4_pump *pump,
                                                         roburoc4_pump_reader *reader,
                                                         roburoc4_sample *samples,

@@ -163,8 +163,8 @@ roburoc4_result roburoc4_pump_reader_init(roburoc4_pump *pump, roburoc4_pump_rea
     if (!roburoc4_pump_enter(pump)) {
         return ROBUROC4_ERR_CLOSED;
     }
+    memset(reader, 0, sizeof *reader);
     reader->next_sample = pump->next_sample;
-    reader->lost = 0;
     reader->private_next_event = pump->event_turn + 1;
     roburoc4_pump_leave(pump);
     return ROBUROC4_OK;

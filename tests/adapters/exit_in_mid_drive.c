@@ -11,7 +11,7 @@ int main(int argc, char **argv) {
     roburoc4_address address;
     roburoc4_differential_status status = {0};
     roburoc4_result result = ROBUROC4_ERR_NOT_READY;
-    roburoc4_pump_reader reader = {0, 0, 0};
+    roburoc4_pump_reader reader = {0};
     roburoc4_client *client;
     roburoc4_pump *pump;
     if (argc != 2 || roburoc4_udp_resolve(argv[1], 0, &address) < 0) {

@@ -110,7 +110,7 @@ static int pump_until(roburoc4_pump *pump, roburoc4_pump_reader *reader, int mov
 }
 
 static int test_pump(const roburoc4_address *robot) {
-    roburoc4_pump_reader reader = {0, 0, 0};
+    roburoc4_pump_reader reader = {0};
     roburoc4_result result = 0;
     roburoc4_pump *pump = roburoc4_pump_create(robot, NULL, 0, NULL, &result);
     int moved, stopped;
