@@ -144,7 +144,7 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_EVENT_OTHER_COMMANDER 0x00010000   /* another client commands, or no longer */
 #define ROBUROC4_EVENT_INHIBITED 0x00020000         /* the robot does not follow, or does again */
 #define ROBUROC4_EVENT_BATTERY_LOW 0x00040000       /* remaining fell below minimum_percent */
-#define ROBUROC4_EVENT_BATTERY_CRITICAL 0x00080000  /* the battery's state became Critical */
+#define ROBUROC4_EVENT_BATTERY_CRITICAL 0x00080000  /* became Critical: battery_low, too */
 #define ROBUROC4_EVENT_RELOCALIZED 0x00100000       /* the robot accepted the new pose */
 #define ROBUROC4_EVENT_RELOCALIZE_FAILED 0x00200000 /* it did not; see relocalize_result */
 #define ROBUROC4_EVENT_SUBSCRIPTION_REFUSED 0x00400000 /* the robot refused to send a status */
@@ -203,8 +203,9 @@ typedef struct roburoc4_config {
     uint32_t size; /* sizeof(roburoc4_config), set by roburoc4_config_init() */
     /** The services to subscribe to: bits 1u << ROBUROC4_SERVICE_*. Default 0x7C, all five. */
     uint32_t subscriptions;
-    /** Status periods by service (the first two are not used): a multiple of 10, 10 to 2550.
-     *  Defaults: IO card 50, telemeter 100, battery 1000, localization 50, differential 50.
+    /** Status periods by service: a multiple of 10, 10 to 2550; the first two do not count, and the
+     *  last stays 0. Defaults: IO card 50, telemeter 100, battery 1000, localization 50,
+     *  differential 50.
      *  Those of IO card and differential, where subscribed: at most a third of fresh_ms. (To watch
      *  a robot less often, call roburoc4_client_subscribe() later.) */
     uint16_t period_ms[8];
@@ -226,10 +227,10 @@ typedef struct roburoc4_config {
                                   real metre; 0.01 to 10; default 1 */
     float scale_angular;        /* likewise */
     uint32_t options;           /* ROBUROC4_OPTION_*; default 0 */
-    /** By ROBUROC4_ROLE_* (the last four are not used): index of the input on the wire, at most 63
-     * for a digital input and 15 for the analog one; or ROBUROC4_INDEX_AUTO (default). Messages,
-     * robot files and bindings call them override_index, front_bumper_index, rear_bumper_index,
-     * battery_voltage_index. */
+    /** By ROBUROC4_ROLE_* (the last four stay as init set them): index of the input on the wire, at
+     * most 63 for a digital input and 15 for the analog one; or ROBUROC4_INDEX_AUTO (default).
+     * Messages, robot files and bindings call them override_index, front_bumper_index,
+     * rear_bumper_index, battery_voltage_index. */
     int16_t role_index[8];
     uint32_t lapse_disarm_ms; /* a lease that expired and was not renewed for this long disarms; 0
                                  to 60000; default 1000. What pause() ended stays armed */
@@ -449,12 +450,12 @@ ROBUROC4_API roburoc4_result roburoc4_client_differential_properties(
 ROBUROC4_API roburoc4_result roburoc4_client_telemeter(const roburoc4_client *client,
                                                        uint32_t index, roburoc4_telemeter *out);
 
-/** A text from the robot. */
+/** A text from the robot: what the protocol calls a description (4.2.3). */
 typedef struct roburoc4_description {
     const uint8_t *text; /* a view on the datagram; not NUL-terminated */
     uint32_t length;
     int32_t io_type; /* ROBUROC4_IO_*, or -1 for a service of the directory */
-    uint32_t index;  /* of the channel, or of the directory's element */
+    uint32_t index;  /* of the channel, or of the directory's entry */
 } roburoc4_description;
 /** What a datagram describes, right after its receive() raised ROBUROC4_EVENT_DESCRIPTION.
  *  ROBUROC4_ERR_NOT_KNOWN if the last datagram was not a description. */

@@ -114,6 +114,9 @@ static uint32_t first_out_of_range(const roburoc4_config *config) {
 }
 
 static uint32_t first_bad_period(const roburoc4_config *config) {
+    if (config->period_ms[ROBUROC4_SERVICE_COUNT] != 0) {
+        return BAD_PERIOD;
+    }
     const uint32_t services_of_arming =
         (uint32_t)service_bit(ROBUROC4_SERVICE_IOCARD) | service_bit(ROBUROC4_SERVICE_DIFFERENTIAL);
     for (uint32_t service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
@@ -130,9 +133,10 @@ static uint32_t first_bad_period(const roburoc4_config *config) {
 }
 
 static bool roles_valid(const roburoc4_config *config) {
-    for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
+    for (uint32_t role = 0; role < COUNT(config->role_index); role++) {
+        const int32_t capacity = role < ROBUROC4_ROLE_COUNT ? role_capacity(role) : 0;
         if (config->role_index[role] < ROBUROC4_INDEX_AUTO ||
-            config->role_index[role] >= role_capacity(role)) {
+            config->role_index[role] >= capacity) {
             return false;
         }
     }
@@ -205,9 +209,9 @@ const char *roburoc4_config_error(const roburoc4_config *config) {
         "scale_angular: 0.01 to 10",
         "drive_period_ms: at most half of lease_ms",
         "drive_period_ms: at most half of robot_watchdog_ms",
-        "period_ms: multiples of 10, 10 to 2550",
+        "period_ms: multiples of 10, 10 to 2550; the last is 0",
         "period_ms of IO card and differential: at most a third of fresh_ms",
-        "role_index: -1, or an index to 63 (battery voltage: 15)",
+        "role_index: -1, or an index to 63 (battery voltage: 15); the last four are -1",
         "iocard_id, differential_id: -1, or 2 to 65535, not the same",
         NULL,
     };

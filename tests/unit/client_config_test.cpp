@@ -82,7 +82,7 @@ TEST(Config, Defaults) {
     const std::uint16_t periods[5] = {50, 100, 1000, 50, 50};
     for (std::size_t i = 0; i < 5; i++)
         EXPECT_EQ(periods[i], c.period_ms[i + 2]) << i;
-    for (const std::size_t unused : {0U, 1U, 7U})
+    for (const std::size_t unused : {0U, 1U})
         EXPECT_EQ(0U, c.period_ms[unused]) << unused;
     EXPECT_EQ(100U, c.first_retry_ms);
     EXPECT_EQ(1000U, c.lost_ms);
@@ -152,9 +152,16 @@ TEST(Config, ErrorIsTheNameAndTheRange) {
          [](roburoc4_config &c) { c.period_ms[2] = 500; }},
         {"period_ms of IO card and differential: at most a third of fresh_ms",
          [](roburoc4_config &c) { c.period_ms[6] = 500; }},
-        {"period_ms: multiples of 10, 10 to 2550", [](roburoc4_config &c) { c.period_ms[6] = 0; }},
-        {"role_index: -1, or an index to 63 (battery voltage: 15)",
+        {"period_ms: multiples of 10, 10 to 2550; the last is 0",
+         [](roburoc4_config &c) { c.period_ms[6] = 0; }},
+        {"period_ms: multiples of 10, 10 to 2550; the last is 0",
+         [](roburoc4_config &c) { c.period_ms[7] = 10; }},
+        {"role_index: -1, or an index to 63 (battery voltage: 15); the last four are -1",
          [](roburoc4_config &c) { c.role_index[0] = 64; }},
+        {"role_index: -1, or an index to 63 (battery voltage: 15); the last four are -1",
+         [](roburoc4_config &c) { c.role_index[4] = 0; }},
+        {"role_index: -1, or an index to 63 (battery voltage: 15); the last four are -1",
+         [](roburoc4_config &c) { c.role_index[7] = 3; }},
     };
     for (const auto &[error, change] : errors) {
         roburoc4_config config = default_config();
@@ -186,7 +193,7 @@ TEST(Config, PeriodsThatAreNotUsedMakeNoDifference) {
     roburoc4_client without{};
     roburoc4_config config = default_config();
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_init(&without, sizeof without, &config));
-    for (const std::size_t unused : {0U, 1U, 7U})
+    for (const std::size_t unused : {0U, 1U})
         config.period_ms[unused] = 2550;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_init(&with, sizeof with, &config));
     EXPECT_EQ(ROBUROC4_OK, roburoc4_client_start(&with, second));
