@@ -8,8 +8,8 @@
  * Like the client it is a state machine without socket, clock or thread. You pass datagrams and the
  * time, and act as the person beside the robot:
  *
+ *     roburoc4_sim_advance()        first: run the 10 ms low level cycles up to now
  *     roburoc4_sim_receive()        hand over a datagram from a peer
- *     roburoc4_sim_advance()        run the 10 ms low level cycles up to now
  *     roburoc4_sim_poll_transmit()  the next datagram to send and to whom, until 0
  *     roburoc4_sim_next_deadline()  when to call advance() next
  *     roburoc4_sim_set()            power, game pad, emergency stops, bumpers ...
@@ -71,12 +71,12 @@ extern "C" {
 #define ROBUROC4_SIM_TEXTS_DOUBLED 16  /* each text and each refusal arrives twice */
 
 /** What remains of a command that arrives while [A] is held, and of the target from before. */
-#define ROBUROC4_SIM_PAD_DISCARDS 0 /* nothing: the target is 0 until the next command */
-#define ROBUROC4_SIM_PAD_STORES 1   /* after the release, the last command is obeyed */
-#define ROBUROC4_SIM_PAD_RESUMES 2  /* after the release, the target from before comes back */
+#define ROBUROC4_SIM_OVERRIDE_DISCARDS 0 /* nothing: the target is 0 until the next command */
+#define ROBUROC4_SIM_OVERRIDE_STORES 1   /* after the release, the last command is obeyed */
+#define ROBUROC4_SIM_OVERRIDE_RESUMES 2  /* after the release, the target from before comes back */
 
 /** Whose a subscription is. */
-#define ROBUROC4_SIM_LISTS_BY_SENDER 0
+#define ROBUROC4_SIM_LIST_BY_SENDER 0
 #define ROBUROC4_SIM_LIST_SHARED 1 /* the robot's: one period for all, statuses go to all */
 #define ROBUROC4_SIM_LIST_LAST 2   /* the robot's: statuses go to the last who subscribed */
 
@@ -149,12 +149,12 @@ typedef struct roburoc4_sim_config {
     uint32_t reported_distances;    /* at most so many in a status; 6 */
     float telemeter_turn_rad;       /* telemeter k points (k + 1) times this off its place; 0 */
     uint32_t other_status_port;     /* 1: roburoc4-sim sends statuses from another port; 0 */
-    uint32_t subscription_lists;    /* ROBUROC4_SIM_LIST*; _LISTS_BY_SENDER */
+    uint32_t subscription_lists;    /* ROBUROC4_SIM_LIST_*; _BY_SENDER */
     uint32_t min_period_cycles;     /* of a subscription, 1 to 20; 1 */
     uint32_t max_subscriptions;     /* of all peers, 1 to 448; 448 */
     uint32_t full_list;             /* ROBUROC4_SIM_FULL_*; _REFUSES */
     uint32_t keep_subscriptions;    /* 1: those of a closed port stay; 0 */
-    uint32_t pad_keeps_target;      /* ROBUROC4_SIM_PAD_*; _DISCARDS */
+    uint32_t pad_keeps_target;      /* ROBUROC4_SIM_OVERRIDE_*; _DISCARDS */
     uint32_t ignored_commands_feed; /* 1: commands under [A] feed the watchdog; 0 */
     uint32_t pad_target_hidden;     /* 1: under [A], statuses have the computer's target; 0 */
     uint32_t tripped_target_shown;  /* 1: after the watchdog, statuses keep the target; 0 */

@@ -90,7 +90,7 @@ void sim_cockpit_cycle(roburoc4_sim *sim) {
 void sim_cockpit_press(roburoc4_sim *sim, uint32_t button, bool down) {
     bool *state = &sim->buttons[button - ROBUROC4_DI_PAD_A];
     if (button == ROBUROC4_DI_PAD_A && *state != down) {
-        if (sim->config.pad_keeps_target == ROBUROC4_SIM_PAD_DISCARDS) {
+        if (sim->config.pad_keeps_target == ROBUROC4_SIM_OVERRIDE_DISCARDS) {
             /* Whoever takes over starts with target 0: the previous command is discarded. */
             sim_motion_forget(sim);
         } else if (down) {

@@ -115,7 +115,7 @@ void sim_peers_unreachable(roburoc4_sim *sim, uint64_t key) {
 /* ---------------------------------------------------------------------------- subscriptions --- */
 
 static bool is_shared(const roburoc4_sim *sim) {
-    return sim->config.subscription_lists != ROBUROC4_SIM_LISTS_BY_SENDER;
+    return sim->config.subscription_lists != ROBUROC4_SIM_LIST_BY_SENDER;
 }
 
 /* The oldest entry of the whole list, or NULL; its size in `count`. */

@@ -191,7 +191,7 @@ static bool take_speeds(roburoc4_sim *sim, double linear_m_s, double angular_rad
         (config->over_limit_refused != 0 && sim_motion_is_beyond(sim, linear_m_s, angular_rad_s))) {
         return false;
     }
-    if (!sim_pad_drives(sim) || config->pad_keeps_target == ROBUROC4_SIM_PAD_STORES) {
+    if (!sim_pad_drives(sim) || config->pad_keeps_target == ROBUROC4_SIM_OVERRIDE_STORES) {
         sim_motion_command(sim, linear_m_s, angular_rad_s);
     } else if (config->ignored_commands_feed != 0) {
         sim_motion_feed(sim);

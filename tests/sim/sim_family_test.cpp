@@ -327,9 +327,9 @@ TEST(SimFamily, KeepsATargetUnderTheGamePadAsConfigured) {
         double silent,
             commanded; /* target after the release, without and with commands under [A] */
     };
-    for (const Kept &kept :
-         {Kept{ROBUROC4_SIM_PAD_DISCARDS, 0.0, 0.0}, Kept{ROBUROC4_SIM_PAD_STORES, 1.0, 0.5},
-          Kept{ROBUROC4_SIM_PAD_RESUMES, 1.0, 1.0}}) {
+    for (const Kept &kept : {Kept{ROBUROC4_SIM_OVERRIDE_DISCARDS, 0.0, 0.0},
+                             Kept{ROBUROC4_SIM_OVERRIDE_STORES, 1.0, 0.5},
+                             Kept{ROBUROC4_SIM_OVERRIDE_RESUMES, 1.0, 1.0}}) {
         for (const bool commanded : {false, true}) {
             Member robot([&](Config &config) { config.pad_keeps_target = kept.mode; });
             robot.command(1.0F, 0.0F);
@@ -353,7 +353,7 @@ TEST(SimFamily, KeepsATargetUnderTheGamePadAsConfigured) {
 TEST(SimFamily, StatusesShowTheTargetAsConfigured) {
     for (const std::uint32_t answer : {0U, 1U}) {
         Member robot([answer](Config &config) {
-            config.pad_keeps_target = ROBUROC4_SIM_PAD_RESUMES;
+            config.pad_keeps_target = ROBUROC4_SIM_OVERRIDE_RESUMES;
             config.pad_target_hidden = answer;
             config.tripped_target_shown = answer;
             config.dead_time_cycles = 10;
