@@ -89,9 +89,9 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_UNITS (-37)  /* a speed or angle that looks like mm/s or degrees */
 #define ROBUROC4_ERR_SUBSCRIPTION_REFUSED (-38) /* the robot refused a subscription for driving */
 /* of the UDP adapter and the pump (roburoc4_udp.h, roburoc4_pump.h) */
-#define ROBUROC4_ERR_SYSTEM (-40)  /* the operating system refused; errno says why */
+#define ROBUROC4_ERR_SYSTEM (-40)  /* the operating system refused: see the function */
 #define ROBUROC4_ERR_RESOLVE (-41) /* a host name has no address */
-#define ROBUROC4_ERR_CLOSED (-42)  /* already closed, or made before a fork() */
+#define ROBUROC4_ERR_CLOSED (-42)  /* closed, made before a fork(), or without an address */
 #define ROBUROC4_ERR_BUSY (-43)    /* another thread drives a move with this pump */
 #define ROBUROC4_ERR_ADDRESS (-44) /* not an address, as a text or as a struct */
 
