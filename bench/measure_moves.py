@@ -5,8 +5,8 @@ import figures
 
 ABOUT = (
     "*Family*: a metre or a quarter turn on each of 7,488 robots that the manual allows "
-    "(`bench/family.c`). A move is *fine* if it ends as reached within 2 cm and 2°, turns back "
-    "at most twice, overshoots by at most 5 cm and 5°, takes at most twice the time of the "
+    "(`tests/support/family.c`). A move is *fine* if it ends as reached within 2 cm and 2°, turns "
+    "back at most twice, overshoots by at most 5 cm and 5°, takes at most twice the time of the "
     "profile and that robot's response, and never accelerates faster than asked. The others are "
     "the nominal robot, the worst of 20, and squares on the simulator. *With slip*: the assumed"
     " 12 % of each turn. *Really* is where the robot was, not what its odometry reported."

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * move_family_test.cpp - moves on robots that are not the simulator: the judge of bench/family.h on
- * a sample, and robots whose odometry or sensors are wrong.
+ * move_family_test.cpp - moves on robots that are not the simulator: the judge of family.h on a
+ * sample, and robots whose odometry or sensors are wrong.
  */
 #include <gtest/gtest.h>
 

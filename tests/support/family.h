@@ -6,8 +6,8 @@
  * by a real client in virtual time, over a network that loses what it is told to lose. Its fields
  * are open: a test makes its odometry or its sensors wrong by setting them.
  */
-#ifndef ROBUROC4_BENCH_FAMILY_H
-#define ROBUROC4_BENCH_FAMILY_H
+#ifndef ROBUROC4_TESTS_FAMILY_H
+#define ROBUROC4_TESTS_FAMILY_H
 
 #include "roburoc4_move.h"
 
