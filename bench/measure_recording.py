@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Measure a day of recording: its size, and what it costs to read, report and convert it.
+"""Measure a day of recording: its size, and what it costs to read it.
 
 Runs in the virtual environment of scripts/bench, where the package is installed from its wheel.
 """
@@ -8,10 +8,8 @@ import math
 import pathlib
 import resource
 import struct
-import subprocess
 import sys
 import tempfile
-import time
 
 import figures
 
@@ -56,48 +54,28 @@ def write(path, hours):
                 writer.add(Datagram(time_us, ROBOT, CLIENT, data, None), inbound=True)
 
 
-def child(*command):
-    """Run a command; return its processor seconds and its peak memory in MB."""
+def child_s(*command):
+    """Run a command; return its processor seconds."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    begun_s = time.monotonic()
-    process = subprocess.Popen(
-        [str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    most_kb = 0
-    status = pathlib.Path(f"/proc/{process.pid}/status")
-    while process.poll() is None:
-        time.sleep(0.05)
-        try:
-            text = status.read_text(encoding="utf-8")
-        except OSError:
-            continue
-        peak = [line.split()[1] for line in text.splitlines() if line.startswith("VmHWM")]
-        most_kb = max([most_kb, *map(int, peak)])
-    if process.returncode:
-        raise RuntimeError(f"{command} ended with {process.returncode}")
+    figures.run(*command)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return min(seconds, time.monotonic() - begun_s), most_kb / 1e3
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 def main():
     given = figures.arguments(__doc__)
     hours = 0.2 if given.quick else 24
     name = f"{hours} h"
-    roburoc4 = pathlib.Path(sys.executable).with_name("roburoc4")
     versions = [f"Python {sys.version.split()[0]}", figures.packaged("tcpdump")]
     part = figures.Part("recording", "Recordings", ABOUT, versions)
     with tempfile.TemporaryDirectory(dir=given.build) as folder:
-        path, out = pathlib.Path(folder) / "day.pcapng", pathlib.Path(folder) / "out"
+        path = pathlib.Path(folder) / "day.pcapng"
         write(path, hours)
-        for subject, what, *command in (
-            ("roburoc4", "read", sys.executable, "-c", READ, path),
-            ("tcpdump", "read", "tcpdump", "-r", path, "-w", f"{out}.pcap"),
-            ("roburoc4", "report", roburoc4, "report", path, "--force", "-o", f"{out}.html"),
+        for subject, *command in (
+            ("roburoc4", sys.executable, "-c", READ, path),
+            ("tcpdump", "tcpdump", "-r", path, "-w", path.with_suffix(".pcap")),
         ):
-            seconds, memory = child(*command)
-            part.add(f"{name}: {what}", subject, "s", seconds)
-            part.add(f"{name}: {what}, memory", subject, "MB", memory)
+            part.add(f"{name}: read", subject, "s", child_s(*command))
         part.add(f"{name}: size", "roburoc4", "MB", path.stat().st_size / 1e6)
     part.write(given.out)
 
