@@ -23,7 +23,7 @@ SHOWN = {
     "footprint_peers": ".*",
     "checks": "histories.*|that takes|.*lwIP.*",
     "python": "decode to an object|batch decode, one.*|import|installed",
-    "matlab": r"r\.drive\(.*|s = r\.status.*",
+    "matlab": ".*",
     "lcm": "status.*p50|processor, [^r]*robots? as.*",
     "ros2": ".*",
     "dashboard": ".*",

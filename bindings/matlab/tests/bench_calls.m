@@ -2,7 +2,7 @@ function bench_calls()
 %BENCH_CALLS Print what a call costs, in microseconds: the fastest and the median of 300 rounds of
 %   20 calls. On a busy machine only the fastest counts.
 %   The robot is a simulator on a port of this machine, so that drive really sends a datagram.
-%   bench/matlab builds bench_mex, by which the interpreter's share is known.
+%   bench/matlab runs it.
 %
 %   Example:
 %      bench_calls()
@@ -12,18 +12,9 @@ sim = roburoc4.Simulator('port', 0);
 r = sim.connect();
 r.arm();
 r.sleep(1.2);
-empty = bench_robot();
 fprintf('%-44s %9s %9s %5s\n', 'microseconds a call', 'fastest', 'median', 'aim');
 measure('r.drive(0.2, 0)', @() r.drive(0.2, 0), 20);
-measure('r.drive: the interpreter alone', @() empty.drive(0.2, 0), NaN);
-measure('p = r.pose', @() r.pose, 20);
-measure('r.pose: the interpreter alone', @() empty.pose, NaN);
-measure('v = r.speeds', @() r.speeds, 20);
-measure('r.speeds: the interpreter alone', @() empty.speeds, NaN);
-measure('on = r.inputs(''Front bumper'')', @() r.inputs('Front bumper'), NaN);
 measure('s = r.status (all of it)', @() r.status, NaN);
-measure('s = r.link', @() r.link, NaN);
-measure('an empty function handle', @() [], NaN);
 delete(r);
 delete(sim);
 end
