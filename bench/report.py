@@ -24,7 +24,7 @@ SHOWN = {
     "checks": "histories.*|that takes|.*lwIP.*",
     "python": "decode to an object|batch decode, one.*|import|installed",
     "matlab": ".*",
-    "lcm": "status.*p50|processor, [^r]*robots? as.*",
+    "lcm": ".*",
     "ros2": ".*",
     "dashboard": ".*",
     "moves": ".*: moves that are fine|square.* by .*without.*",
