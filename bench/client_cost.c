@@ -13,8 +13,8 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 
-#include "roburoc4_record.h"
 #include "roburoc4_sim.h"
+#include "roburoc4_udp.h"
 
 #define STEP_US 10000
 #define GET_READY_US 20000000
@@ -191,17 +191,6 @@ static void receive_udp(void) {
     }
 }
 
-static void receive_recorded(void) {
-    if (robot_fd < 0) {
-        roburoc4_recorder_options options = {.size = sizeof options, .buffer_bytes = 1 << 20};
-        open_robot();
-        if (roburoc4_udp_record(&udp, roburoc4_recorder_open("/dev/null", &options, NULL)) < 0) {
-            die("no recorder");
-        }
-    }
-    receive_udp();
-}
-
 static const struct {
     const char *name;
     void (*run)(void);
@@ -215,7 +204,6 @@ static const struct {
     {"watching", watch},
     {"driving", drive},
     {"udp-differential", receive_udp},
-    {"udp-recorded", receive_recorded},
 };
 
 int main(int argc, char **argv) {

@@ -19,7 +19,6 @@ CALLS = {
     "watching": "all calls for each status, watching",
     "driving": "all calls for each status, driving",
     "udp-differential": "differential status through the UDP adapter",
-    "udp-recorded": "differential status through the UDP adapter, recorded",
 }
 
 
