@@ -38,10 +38,6 @@ struct Driver {
             return aim();
         });
     }
-    bool gets_armed() {
-        return reaches(
-            [&] { return roburoc4_client_arm(&client, roburoc4_udp_now_us()) == ROBUROC4_OK; });
-    }
 };
 
 /* ----------------------------------------------------------------------- command line, life --- */

@@ -129,9 +129,6 @@ class Robot {
     void set_trouble(const Trouble &trouble) {
         trouble_ = trouble;
     }
-    void delay_texts(std::uint64_t us) {
-        plan_.text_us = us;
-    }
     /** It is off, and then starts as this member, which may be another one, with any count. */
     void reboot(const RobotPlan &plan, std::uint64_t off_us, std::uint64_t now_us);
     void receive(const Datagram &datagram, std::uint64_t now_us, bool from_other_commander);

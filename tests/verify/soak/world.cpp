@@ -167,10 +167,6 @@ void World::poll() {
         datagram.origin.made_us = now_us_;
         say_datagram("sent", datagram, length);
         oracle_.sent(moment(), datagram);
-        if (is_command(datagram) && datagram.u16_at(1) == robot_.differential_id()) {
-            last_command_ = command_speeds(datagram);
-            commands_++;
-        }
         to_robot_.send(datagram, now_us_);
     }
 }

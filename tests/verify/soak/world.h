@@ -74,13 +74,6 @@ class World {
     void other_commander(Speeds speeds);
     void calm();
 
-    /** For tests: the last command that was sent, and how many were. */
-    Speeds last_command() const {
-        return last_command_;
-    }
-    std::uint64_t commands() const {
-        return commands_;
-    }
     std::uint32_t take_events();
 
   private:
@@ -109,8 +102,7 @@ class World {
     std::uint64_t offset_us_;
     std::uint64_t deadline_us_ = UINT64_MAX; /* by the client's clock */
     std::uint32_t events_ = 0;
-    Speeds last_command_;
-    std::uint64_t commands_ = 0, others_until_us_ = 0;
+    std::uint64_t others_until_us_ = 0;
     bool trace_ = false;
 };
 
