@@ -22,7 +22,7 @@ int main(int argc, char **argv) {
     }
     signal(SIGINT, on_signal);
     if (pump != NULL) {
-        result = roburoc4_pump_arm(pump, 10000000); /* waits until driving is safe: 10 s */
+        result = roburoc4_pump_arm(pump, 10000000); /* waits until it is allowed: 10 s */
     }
     if (result < 0) {
         printf("drive: gave up: %s\n", roburoc4_result_text(result));

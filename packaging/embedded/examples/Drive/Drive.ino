@@ -45,7 +45,7 @@ void loop() {
     roburoc4_result result = ROBUROC4_OK;
     held = digitalRead(BUTTON) == LOW;
     if (held && !was_held) {
-        result = roburoc4_client_arm(&client, now_us()); // only if driving is safe
+        result = roburoc4_client_arm(&client, now_us()); // refused with a reason
     } else if (!held && was_held) {
         result = roburoc4_client_stop(&client, now_us());
     }

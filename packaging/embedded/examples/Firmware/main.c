@@ -29,7 +29,7 @@ int main(void) {
         }
         held = board_button();
         if (held && !was_held) {
-            result = roburoc4_client_arm(&client, board_now_us()); /* only if driving is safe */
+            result = roburoc4_client_arm(&client, board_now_us()); /* refused with a reason */
         } else if (!held && was_held) {
             result = roburoc4_client_stop(&client, board_now_us());
         }

@@ -12,8 +12,8 @@ from .session import ReleasedError, UnsafeError, number
 if TYPE_CHECKING:
     from roburoc4 import MoveResult, Robot
 
-_BRAKING_S = 0.65
-"""SAFETY's table, "braking alone", for 1 m/s; the way grows as the speed does."""
+_BRAKING_S = 0.66
+"""What SAFETY's table rounds up, "braking alone" for 1 m/s; the way grows as the speed does."""
 _FASTER_S = 2.5
 _RENEW_S = 0.05
 _LEAST, _MOST = 0.5, 2.0
