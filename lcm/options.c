@@ -63,8 +63,8 @@ const char options_help[] =
     "      --max-age-ms MS  oldest command that is obeyed, by its utime (default 200; at most\n"
     "                       3600000). 0 obeys all ages, for clocks that cannot be set; then a\n"
     "                       replayed log can move the robot\n"
-    "      --max-linear M_S, --max-angular RAD_S  ceilings of the speeds (default 1 and 1.5; at\n"
-    "                       most 5 and 10): faster commands are reduced to them\n"
+    "      --max-linear-m-s M_S, --max-angular-rad-s RAD_S  ceilings of the speeds (default 1\n"
+    "                       and 1.5; at most 5 and 10): faster commands are reduced to them\n"
     "\n"
     "  -v, --verbose        log more: each rejected command\n"
     "  -q, --quiet          log errors only\n"
@@ -539,8 +539,8 @@ static const known_option known[] = {
     VALUE("fleet-stop", NO_LETTER, PASS_SETTINGS, FOR_ALL, set_fleet_stop),
     NUMBER("lease-ms", set_time, LEASE, MIN_LEASE_MS, MAX_LEASE_MS),
     NUMBER("max-age-ms", set_time, MAX_AGE, 0, 3600000u),
-    NUMBER("max-linear", set_ceiling, LINEAR, 1, MAX_LINEAR_MM_S),
-    NUMBER("max-angular", set_ceiling, ANGULAR, 1, MAX_ANGULAR_MRAD_S),
+    NUMBER("max-linear-m-s", set_ceiling, LINEAR, 1, MAX_LINEAR_MM_S),
+    NUMBER("max-angular-rad-s", set_ceiling, ANGULAR, 1, MAX_ANGULAR_MRAD_S),
     FLAG("enable-drive", NO_LETTER, FOR_EACH, set_enabled, GATE_DRIVE),
     FLAG("enable-outputs", NO_LETTER, FOR_EACH, set_enabled, GATE_OUTPUT),
     FLAG("enable-relocalize", NO_LETTER, FOR_EACH, set_enabled, GATE_RELOCALIZE),
@@ -702,9 +702,8 @@ static bool read_setting(reading *reading, const ini_line *line) {
         return refuse(reading,
                       "no such setting; give address, lcm-url, record, fleet-stop, "
                       "enable-drive, enable-outputs, enable-relocalize, allow-sender, lease-ms, "
-                      "max-age-ms, max-linear, "
-                      "max-angular, robot-file, period-ms.SERVICE, channel.KEY or pose-channel, = "
-                      "and a value");
+                      "max-age-ms, max-linear-m-s, max-angular-rad-s, robot-file, "
+                      "period-ms.SERVICE, channel.KEY or pose-channel, = and a value");
     }
     if (found->place == (for_one ? FOR_ALL : FOR_ONE)) {
         return refuse(reading, for_one ? "put it into [DEFAULT]: it applies to all robots"

@@ -129,7 +129,7 @@ static const char *move_text(int32_t outcome) {
                "begin again with another move_id";
     case ROBUROC4_MOVE_TOO_FAST:
         return "a speed beyond the ceilings: ask for less, or start the bridge with a higher "
-               "--max-linear or --max-angular";
+               "--max-linear-m-s or --max-angular-rad-s";
     case ROBUROC4_MOVE_NO_FRONT_BUMPER:
         return "the front bumper is not known: set it in --robot-file, or send a negative "
                "clearance_m";

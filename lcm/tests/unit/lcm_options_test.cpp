@@ -84,7 +84,7 @@ robot: NO ADDRESS (192.168.0.2)
 )"},
                  {"-p LAB -l udpm:// --period-ms battery=0 --period-ms=iocard=10 --enable-drive "
                   "--period-ms telemeter=2550 --lease-ms=20 --max-age-ms 0 --enable-outputs "
-                  "--max-linear 0.25 --max-angular=10 --allow-sender planner*,joystick "
+                  "--max-linear-m-s 0.25 --max-angular-rad-s=10 --allow-sender planner*,joystick "
                   "--fleet-stop ALL_STOP_CMD --channel STOP_CMD=HALT_CMD",
                   "", R"(network: udpm://
 all robots are stopped by ALL_STOP_CMD
@@ -115,7 +115,7 @@ lcm-url = udpm://239.255.76.67:7667?ttl=1
 fleet-stop = HALT_CMD
 period-ms.battery = 0 ; none
 lease-ms = 200
-max-linear = 0.5
+max-linear-m-s = 0.5
 enable-outputs = yes
 allow-sender = planner*
 
@@ -130,8 +130,8 @@ address = 192.168.0.3:6001
 enable-outputs = no
 period-ms.battery = 500
 lease-ms = 500
-max-linear = 2.5
-max-angular = 0.001
+max-linear-m-s = 2.5
+max-angular-rad-s = 0.001
 allow-sender = joystick
 )",
                   R"(network: udpm://239.255.76.67:7667?ttl=1
@@ -231,12 +231,12 @@ TEST(LcmOptions, RejectInvalidValuesAndNameThem) {
         {{"--lease-ms", "300x"}, "300x"},
         {{"--lease-ms", "4294967596"}, "4294967596"}, /* 300 and a power of 2 */
         {{"--lease-ms", "18446744073709551916"}, "18446744073709551916"},
-        {{"--max-linear", "0"}, "--max-linear 0: give m/s, 0.001 to 5"},
-        {{"--max-linear", "5.001"}, "5.001"},
-        {{"--max-linear", "nan"}, "nan"},
-        {{"--max-linear", "0.5.1"}, "0.5.1"},
-        {{"--max-linear", ""}, "--max-linear : give"},
-        {{"--max-angular", "60"}, "--max-angular 60: give rad/s, 0.001 to 10"},
+        {{"--max-linear-m-s", "0"}, "--max-linear-m-s 0: give m/s, 0.001 to 5"},
+        {{"--max-linear-m-s", "5.001"}, "5.001"},
+        {{"--max-linear-m-s", "nan"}, "nan"},
+        {{"--max-linear-m-s", "0.5.1"}, "0.5.1"},
+        {{"--max-linear-m-s", ""}, "--max-linear-m-s : give"},
+        {{"--max-angular-rad-s", "60"}, "--max-angular-rad-s 60: give rad/s, 0.001 to 10"},
         {{"--record", ""}, "--record : no file can be made there"},
         {{"--record", "/no/such/folder/run.pcapng"}, "no file can be made there"},
         {{"--record", "run.csv"}, "ending in .pcapng"},
@@ -313,8 +313,8 @@ TEST(LcmOptions, TheHelpNamesThemAll) {
     for (const std::string name :
          {"robot",        "config",       "check",          "lcm-url",           "record",
           "prefix",       "channel",      "pose-channel",   "period-ms",         "robot-file",
-          "allow-sender", "fleet-stop",   "lease-ms",       "max-age-ms",        "max-linear",
-          "max-angular",  "enable-drive", "enable-outputs", "enable-relocalize", "verbose",
+          "allow-sender", "fleet-stop",   "max-linear-m-s", "max-angular-rad-s", "lease-ms",
+          "max-age-ms",   "enable-drive", "enable-outputs", "enable-relocalize", "verbose",
           "quiet",        "help",         "version"}) {
         const Read r = read({"--" + name});
         EXPECT_EQ(std::string::npos, r.error.find("unknown option")) << name;
@@ -379,7 +379,8 @@ TEST(LcmConfigFile, ErrorsNameTheLineAndTheRemedy) {
         {"[RED]\naddress = 10.0.0.1\nenable-drive = true\n",
          "fleet.ini:3: enable-drive = true: give yes or no"},
         {"[RED]\nlease-ms = 5\n", "fleet.ini:2: lease-ms = 5: give milliseconds, 20 to 1000"},
-        {"[RED]\nmax-linear = 300\n", "fleet.ini:2: max-linear = 300: give m/s, 0.001 to 5"},
+        {"[RED]\nmax-linear-m-s = 300\n",
+         "fleet.ini:2: max-linear-m-s = 300: give m/s, 0.001 to 5"},
         {"[RED]\naddress = a\nlease-ms = 200\n\nlease-ms = 300\n",
          "fleet.ini:5: lease-ms = 300: line 3 has it already; remove one of them"},
         {"[RED]\nperiod-ms.iocard = 50\nperiod-ms.battery = 500\nperiod-ms.iocard = 60\n",

@@ -903,7 +903,7 @@ TEST_F(Bridge, TheLogNamesTheSenderAndAQuietOneSaysNothing) {
 }
 
 TEST_F(Bridge, CommandsThatWereReducedOrReplacedAreCounted) {
-    start({"--max-linear", "5"}); /* the robot: 2.6 and 6.5 */
+    start({"--max-linear-m-s", "5"}); /* the robot: 2.6 and 6.5 */
     int64_t clamped = 0;
     for (const auto &[linear, angular, reduced] : {std::tuple{0.3, 1.4, 0},
                                                    {-0.3, -1.4, 0},
@@ -1207,10 +1207,11 @@ TEST_F(Bridge, TheEndOfAMoveSaysWhatToDoAboutIt) {
         bool renewed, stopped;
         int32_t result;
         const char *message;
-    } cases[] = {{2, true, false, ROBUROC4_MOVE_TOO_FAST, "--max-linear or --max-angular"},
-                 {0, false, false, ROBUROC4_MOVE_LAPSED, "begin again with another move_id"},
-                 {0, true, true, ROBUROC4_MOVE_CANCELLED, "see BRIDGE_STATE"},
-                 {0, true, false, ROBUROC4_MOVE_REACHED, "goal reached"}};
+    } cases[] = {
+        {2, true, false, ROBUROC4_MOVE_TOO_FAST, "--max-linear-m-s or --max-angular-rad-s"},
+        {0, false, false, ROBUROC4_MOVE_LAPSED, "begin again with another move_id"},
+        {0, true, true, ROBUROC4_MOVE_CANCELLED, "see BRIDGE_STATE"},
+        {0, true, false, ROBUROC4_MOVE_REACHED, "goal reached"}};
     for (const auto &each : cases) {
         sleep_ms(600);
         for (int i = 0; i < (each.renewed ? 100 : 1); i++) {

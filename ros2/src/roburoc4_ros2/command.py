@@ -15,6 +15,21 @@ from roburoc4_tools.cli.output import note, print_json
 if TYPE_CHECKING:
     from .config import Config, RobotConfig
 
+_SETTINGS = (
+    "namespace",
+    "odom_frame",
+    "base_frame",
+    "map_frame",
+    "frame_prefix",
+    "lease_ms",
+    "max_age_ms",
+    "max_linear_m_s",
+    "max_angular_rad_s",
+    "max_linear_m_s2",
+    "max_angular_rad_s2",
+)
+"""Settings of a robot that are options of the same name, with a value."""
+
 
 class Ros2Options(Options):
     """Options of the command."""
@@ -36,10 +51,10 @@ class Ros2Options(Options):
     twist: bool
     lease_ms: str | None
     max_age_ms: str | None
-    max_linear: str | None
-    max_angular: str | None
-    max_linear_slope: str | None
-    max_angular_slope: str | None
+    max_linear_m_s: str | None
+    max_angular_rad_s: str | None
+    max_linear_m_s2: str | None
+    max_angular_rad_s2: str | None
     list: bool
 
 
@@ -90,20 +105,20 @@ def _add_drive(parser: argparse.ArgumentParser) -> None:
         "drives (default: 200)",
     )
     group.add_argument(
-        "--max-linear",
+        "--max-linear-m-s",
         metavar="M_S",
         help="ceiling of speed, in addition to the robot's own (default: 1)",
     )
     group.add_argument(
-        "--max-angular", metavar="RAD_S", help="ceiling of turn rate, likewise (default: 1.5)"
+        "--max-angular-rad-s", metavar="RAD_S", help="ceiling of turn rate, likewise (default: 1.5)"
     )
     group.add_argument(
-        "--max-linear-slope",
+        "--max-linear-m-s2",
         metavar="M_S2",
         help="how fast a commanded speed may grow (default: any); slowing down is never limited",
     )
     group.add_argument(
-        "--max-angular-slope", metavar="RAD_S2", help="likewise for the turn rate (default: any)"
+        "--max-angular-rad-s2", metavar="RAD_S2", help="likewise for the turn rate (default: any)"
     )
 
 
@@ -229,23 +244,12 @@ def _common(options: Ros2Options) -> dict[str, Any]:
     """Return the settings from options, which are for all robots."""
     texts = {
         name: _given(getattr(options, name), "--" + name.replace("_", "-"), name)
-        for name in ("namespace", "odom_frame", "base_frame", "map_frame", "frame_prefix")
+        for name in _SETTINGS
     }
     given: dict[str, Any] = {name: text for name, text in texts.items() if text is not None}
     if options.no_tf:
         given["tf"] = False
     given |= {name: True for name in ("enable_drive", "twist") if getattr(options, name)}
-    for option, name in (
-        ("--lease-ms", "lease_ms"),
-        ("--max-age-ms", "max_age_ms"),
-        ("--max-linear", "max_linear_m_s"),
-        ("--max-angular", "max_angular_rad_s"),
-        ("--max-linear-slope", "max_linear_m_s2"),
-        ("--max-angular-slope", "max_angular_rad_s2"),
-    ):
-        text = getattr(options, option[2:].replace("-", "_"))
-        if text is not None:
-            given[name] = _given(text, option, name)
     if options.period_ms is not None:
         whole = int(options.period_ms) if options.period_ms.isdecimal() else options.period_ms
         given["period_ms"] = _given(whole, "--period-ms", "period_ms")

@@ -153,7 +153,7 @@ def test_stop_and_arm_answer_what_happened(
 def test_parameters_are_listed_described_and_read(
     start_node: StartNode, robot: Robot, client: StartClient
 ) -> None:
-    start_node("--max-linear", "0.75", "--lease-ms", "300")
+    start_node("--max-linear-m-s", "0.75", "--lease-ms", "300")
     services = "rcl_interfaces/srv/"
     listed = client("/roburoc4/list_parameters", services + "ListParameters").call([], 0)
     assert {"address", "enable_drive", "lease_ms", "max_linear_m_s", "use_sim_time"} <= set(

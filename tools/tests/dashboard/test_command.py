@@ -181,7 +181,7 @@ def test_its_link_has_the_token_and_the_name_that_it_goes_by(
 def test_options_for_driving_reach_the_robot(
     served: list[Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    limits = ("--max-linear", "0.4", "--max-angular", "0.7", "--lease-ms", "150")
+    limits = ("--max-linear-m-s", "0.4", "--max-angular-rad-s", "0.7", "--lease-ms", "150")
     printed(capsys, "--sim", *limits)
     hub = served[0]
     assert not hub.control.offered
@@ -211,7 +211,7 @@ def test_robots_have_names_and_one_may_have_none(
         (("--bind", "robot.local"), "not an address"),
         (("--port", "70000"), "0 to 65535"),
         (("--lease-ms", "50"), "100 to 1000"),
-        (("--max-linear", "nan"), "m/s"),
+        (("--max-linear-m-s", "nan"), "m/s"),
         (("--period-ms", "25"), "multiple of 10"),
         (("--period-ms", "210", "--enable-drive"), "100 or less"),
         (("--name", "lab-pc/page"), "--name"),

@@ -88,14 +88,14 @@ def _add_driving(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--enable-drive", action="store_true", help="let one page at a time drive")
     group.add_argument(
-        "--max-linear",
+        "--max-linear-m-s",
         metavar="M_S",
         type=number(0.01, 5.0, "m/s"),
         default=_CEILING_LINEAR_M_S,
         help="speed at full deflection, at most the robot's own limit (default: 1 m/s)",
     )
     group.add_argument(
-        "--max-angular",
+        "--max-angular-rad-s",
         metavar="RAD_S",
         type=number(0.01, 10.0, "rad/s"),
         default=_CEILING_ANGULAR_RAD_S,
@@ -201,7 +201,7 @@ def _hub(
     return Hub(
         robot,
         options.lease_ms / 1000,
-        (options.max_linear, options.max_angular),
+        (options.max_linear_m_s, options.max_angular_rad_s),
         enable_drive=options.enable_drive,
         panel=None if simulator is None else Panel(simulator),
         name=name,
@@ -364,8 +364,8 @@ def _robot(options: Options, address: str) -> Iterator[Robot]:
 
     settings: Settings = {
         "lease_ms": options.lease_ms,
-        "max_linear_m_s": options.max_linear,
-        "max_angular_rad_s": options.max_angular,
+        "max_linear_m_s": options.max_linear_m_s,
+        "max_angular_rad_s": options.max_angular_rad_s,
     }
     if options.allow_unknown_override:
         settings["allow_unknown_override"] = True
