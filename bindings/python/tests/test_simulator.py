@@ -117,6 +117,13 @@ def test_a_member_of_the_family_is_drawn_by_its_number() -> None:
         Simulator(family=-1)
 
 
+def test_errors_can_come_in_each_of_three_ways() -> None:
+    for way in range(3):
+        Simulator(error_header=way).close()
+    with pytest.raises(roburoc4.ArgumentError, match="error_header"):
+        Simulator(error_header=3)
+
+
 def test_settings_out_of_range_are_refused_by_name() -> None:
     with pytest.raises(roburoc4.ArgumentError, match="slip"):
         Simulator(slip=2.0)

@@ -63,7 +63,8 @@ class SimSettings(TypedDict, total=False):
     query_mode: int
     answer_id_fixed: bool
     only_id_fixed: bool
-    error_header: bool
+    error_header: int
+    """How errors come: 0 as an answer, 1 as an error telegram, 2 as the byte 0x00 alone."""
     start_safe: bool
     as_manual: bool
     """Exactly as in the manual; the defaults make a first drive easier."""
