@@ -98,7 +98,7 @@ static int read_row(call *in, uint32_t service, const field *fields, size_t coun
 
 #define VALUE(member) FIELD(roburoc4_sample, value.member, FLOAT)
 
-/* pose(id): x_m, y_m, theta_rad, and when the robot made it, time_s */
+/* pose(id): x_m, y_m, theta_rad, and when the robot made it, made_s */
 static int read_pose(call *in) {
     static const field row[] = {VALUE(localization.x_m), VALUE(localization.y_m),
                                 VALUE(localization.theta_rad),

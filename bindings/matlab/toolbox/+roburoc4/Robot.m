@@ -76,14 +76,14 @@ classdef Robot < handle
 %
 %   Robot properties:
 %      status          - Latest values of everything and their ages: a scalar struct
-%      pose            - [x_m y_m theta_rad time_s] of the odometry, inaccurate after turns
+%      pose            - [x_m y_m theta_rad made_s] of the odometry, inaccurate after turns
 %      speeds          - [current_linear_m_s current_angular_rad_s] of the wheels
 %      info            - Limits, sensors and services of the robot: a scalar struct
 %      link            - Quality of the link: a scalar struct
 %      address         - Address and port
 %      time_s          - Seconds since the robot was connected
 %      start_utc_s     - UTC when time_s was 0, in seconds since 1970
-%   pose and speeds are NaN when they are older than fresh_ms (300); the time_s of pose is when
+%   pose and speeds are NaN when they are older than fresh_ms (300); the made_s of pose is when
 %   the robot made it. What is not known is NaN, or 255 in a uint8.
 %   The fields of the structs, which are:
 %      status: time_s                  seconds since the robot was connected
