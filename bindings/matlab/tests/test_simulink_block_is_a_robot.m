@@ -42,12 +42,12 @@ for k = 1:6
     check(isequal(size(outputs{k}), sizes{k}) && isa(outputs{k}, types{k}), 'output %d', k);
 end
 for k = 1:40
-    [pose, speeds, battery_percent, state, distances_m, bumpers] = s.step(0.5, 0, true);
+    [pose, speeds, remaining_percent, state, distances_m, bumpers] = s.step(0.5, 0, true);
 end
 check(all(distances_m > 0) && isequal(bumpers, [0 0]), 'telemeters and bumpers');
 check(abs(speeds(1) - 0.4) < 0.02, 'limited to 0.4 m/s: %g m/s', speeds(1));
 check(pose(1) > 0.4 && pose(1) < 0.8, 'it came %g m far', pose(1));
-check(isequal(state, [1 1 0 0]) && battery_percent > 50, 'state');
+check(isequal(state, [1 1 0 0]) && remaining_percent > 50, 'state');
 
 % When arm becomes false it stops, and what disarms it keeps it so.
 for k = 1:40

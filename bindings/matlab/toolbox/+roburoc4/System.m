@@ -9,7 +9,7 @@ classdef System < matlab.System
 %
 %   Outputs are from before the inputs take effect, so that a control loop can be closed without an
 %   algebraic loop: pose, [x_m y_m theta_rad], and speeds, [linear_m_s angular_rad_s], NaN when they
-%   are old; battery_percent, NaN when unknown; state, [ready armed overridden inhibited], NaN where
+%   are old; remaining_percent, NaN when unknown; state, [ready armed overridden inhibited], NaN where
 %   unknown; distances_m, [front rear] of the telemeters, and bumpers, [front rear], 1 pressed and 0
 %   not, NaN when unknown or old.
 %
@@ -91,13 +91,13 @@ methods (Access = protected)
         this.loop.reset();
     end
 
-    function [pose, speeds, battery_percent, state, distances_m, bumpers] = outputImpl(this, ~, ~, ~)
+    function [pose, speeds, remaining_percent, state, distances_m, bumpers] = outputImpl(this, ~, ~, ~)
         s = this.robot.status;
         pose = this.robot.pose(1:3);
         speeds = this.robot.speeds;
-        battery_percent = double(s.remaining_percent);
+        remaining_percent = double(s.remaining_percent);
         if s.remaining_percent == 255
-            battery_percent = NaN;
+            remaining_percent = NaN;
         end
         state = double([s.ready, s.armed, s.overridden, s.inhibited]);
         distances_m = [NaN NaN];
@@ -160,46 +160,46 @@ methods (Access = protected)
         arm = 'arm';
     end
 
-    function [pose, speeds, battery_percent, state, distances_m, bumpers] = getOutputNamesImpl(~)
+    function [pose, speeds, remaining_percent, state, distances_m, bumpers] = getOutputNamesImpl(~)
         pose = 'pose';
         speeds = 'speeds';
-        battery_percent = 'battery_percent';
+        remaining_percent = 'remaining_percent';
         state = 'state';
         distances_m = 'distances_m';
         bumpers = 'bumpers';
     end
 
-    function [pose, speeds, battery_percent, state, distances_m, bumpers] = getOutputSizeImpl(~)
+    function [pose, speeds, remaining_percent, state, distances_m, bumpers] = getOutputSizeImpl(~)
         pose = [1 3];
         speeds = [1 2];
-        battery_percent = [1 1];
+        remaining_percent = [1 1];
         state = [1 4];
         distances_m = [1 2];
         bumpers = [1 2];
     end
 
-    function [pose, speeds, battery_percent, state, distances_m, bumpers] = getOutputDataTypeImpl(~)
+    function [pose, speeds, remaining_percent, state, distances_m, bumpers] = getOutputDataTypeImpl(~)
         pose = 'double';
         speeds = 'double';
-        battery_percent = 'double';
+        remaining_percent = 'double';
         state = 'double';
         distances_m = 'double';
         bumpers = 'double';
     end
 
-    function [pose, speeds, battery_percent, state, distances_m, bumpers] = isOutputComplexImpl(~)
+    function [pose, speeds, remaining_percent, state, distances_m, bumpers] = isOutputComplexImpl(~)
         pose = false;
         speeds = false;
-        battery_percent = false;
+        remaining_percent = false;
         state = false;
         distances_m = false;
         bumpers = false;
     end
 
-    function [pose, speeds, battery_percent, state, distances_m, bumpers] = isOutputFixedSizeImpl(~)
+    function [pose, speeds, remaining_percent, state, distances_m, bumpers] = isOutputFixedSizeImpl(~)
         pose = true;
         speeds = true;
-        battery_percent = true;
+        remaining_percent = true;
         state = true;
         distances_m = true;
         bumpers = true;

@@ -28,7 +28,7 @@ robot = [name '/RobuROC4'];
 add_block('simulink/User-Defined Functions/MATLAB System', robot, 'Position', [180 50 360 390]);
 set_param(robot, 'System', 'roburoc4.System');
 set_param(robot, 'sample_time_s', '0.05', 'max_linear_m_s', '0.5', 'max_angular_rad_s', '1');
-outputs = {'pose', 'speeds', 'battery_percent', 'state', 'distances_m', 'bumpers'};
+outputs = {'pose', 'speeds', 'remaining_percent', 'state', 'distances_m', 'bumpers'};
 for k = 1:numel(outputs)
     % Rows below each other: else each 1-by-3 row would be a page of its own.
     add_block('simulink/Sinks/To Workspace', [name '/' outputs{k}], 'VariableName', outputs{k}, ...
