@@ -217,7 +217,7 @@ static bool set_fleet_stop(reading *reading, const known_option *option, const c
     (void)option;
     if (!channels_is_name(value) || !channels_ends_in_cmd(value)) {
         return refuse(reading, "give 1 to 63 letters, digits, _, - or /, ending in _CMD, such as "
-                               "FLEET_STOP_CMD");
+                               "ALL_STOP_CMD");
     }
     if (!reading->in_file || reading->out->fleet_stop[0] == '\0') {
         memcpy(reading->out->fleet_stop, value, strlen(value) + 1);
