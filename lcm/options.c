@@ -59,7 +59,7 @@ const char options_help[] =
     "                       with commas between them. No protection: anybody can send any name.\n"
     "                       Stops are obeyed from everybody\n"
     "      --lease-ms MS    longest lease of a command, and that of one without its own (20\n"
-    "                       to 1000; default 300)\n"
+    "                       to 1000; default 250)\n"
     "      --max-age-ms MS  oldest command that is obeyed, by its utime (default 200; at most\n"
     "                       3600000). 0 obeys all ages, for clocks that cannot be set; then a\n"
     "                       replayed log can move the robot\n"
@@ -641,7 +641,7 @@ static void begin(reading *reading, options *out, char *error, size_t error_size
     reading->error = error;
     reading->error_size = error_size;
     reading->robot = &reading->all;
-    reading->all.rules.lease_us = 300000;
+    reading->all.rules.lease_us = 250000;
     reading->all.rules.max_age_us = 200000;
     out->level = LOG_NOTE;
     (void)roburoc4_config_init(&reading->all.config, sizeof reading->all.config);

@@ -29,7 +29,7 @@ if not states:
 for attempt in range(60):
     command.utime = time.time_ns() // 1000  # old commands are rejected
     network.publish("ROBUROC4_DRIVE_CMD", command.encode())
-    listen(0.05)  # each command's lease is 300 ms; after the last one the robot stops
+    listen(0.05)  # each command's lease is 250 ms; after the last one the robot stops
     if states[-1].rejected_sender == command.sender:
         sys.exit(f"drive.py: the bridge rejects the command: {states[-1].rejected_message}")
     if attempt == 18 and all(state.control_owner != command.sender for state in states):

@@ -22,7 +22,7 @@ command.linear_m_s = 0.3;
 command.angular_rad_s = 0.2;
 
 for step = 1:60
-    % The bridge rejects old commands. A command's lease is 300 ms; after the last one the robot
+    % The bridge rejects old commands. A command's lease is 250 ms; after the last one the robot
     % stops.
     command.utime = javaMethod('currentTimeMillis', 'java.lang.System') * 1000;
     network.publish('ROBUROC4_DRIVE_CMD', command);

@@ -52,7 +52,7 @@ def test_each_robot_has_its_own_permissions(
     )
     assert not blue.moves()
     assert bus.last("RED_BRIDGE_STATE").lease_us == 100_000
-    assert bus.last("BLUE_BRIDGE_STATE").lease_us == 300_000
+    assert bus.last("BLUE_BRIDGE_STATE").lease_us == 250_000
     assert bus.of("RED_BATTERY")
     assert not bus.of("BLUE_BATTERY")
 

@@ -78,7 +78,7 @@ TEST(LcmOptions, CheckPrintsWhatWouldRun) {
         const char *arguments, *file, *printed;
     } cases[] = {{"", "", R"(network: LCM's default
 robot: NO ADDRESS (192.168.0.2)
-    obeys stop only; at most 1 m/s and 1.5 rad/s; lease at most 300 ms, commands at most 200 ms old
+    obeys stop only; at most 1 m/s and 1.5 rad/s; lease at most 250 ms, commands at most 200 ms old
     statuses: iocard 50 ms telemeter 100 ms battery 1000 ms localization 50 ms differential 50 ms
     stop by ROBUROC4_STOP_CMD, state on ROBUROC4_BRIDGE_STATE
 )"},
@@ -99,12 +99,12 @@ robot: NO ADDRESS (192.168.0.2)
                   "--pose-channel A:POSE --enable-relocalize",
                   "", R"(network: LCM's default
 A: NO ADDRESS (10.0.0.1)
-    obeys stop, relocalize; at most 1 m/s and 1.5 rad/s; lease at most 300 ms, commands at most 200 ms old
+    obeys stop, relocalize; at most 1 m/s and 1.5 rad/s; lease at most 250 ms, commands at most 200 ms old
     statuses: iocard 50 ms telemeter 100 ms battery 1000 ms localization 50 ms differential 50 ms
     stop by A_STOP_CMD, state on A_BRIDGE_STATE
     channel POSE
 B: NO ADDRESS (10.0.0.2:6001)
-    obeys stop, relocalize; at most 1 m/s and 1.5 rad/s; lease at most 300 ms, commands at most 200 ms old
+    obeys stop, relocalize; at most 1 m/s and 1.5 rad/s; lease at most 250 ms, commands at most 200 ms old
     statuses: iocard 50 ms telemeter 100 ms battery 1000 ms localization 50 ms differential 50 ms
     stop by B_STOP_CMD, state on B_BRIDGE_STATE
     channel GO_CMD instead of B_DRIVE_CMD

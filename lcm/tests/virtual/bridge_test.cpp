@@ -1068,7 +1068,7 @@ TEST_F(Bridge, AMoveThatIsNotRenewedEndsWithItsLease) {
 }
 
 TEST_F(Bridge, TheEndOfTheBridgeCancelsAMove) {
-    for (const uint64_t after_ms : {1u, 250u}) {
+    for (const uint64_t after_ms : {1u, 200u}) {
         forget();
         start();
         move_by(5, 7);
