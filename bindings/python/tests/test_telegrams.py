@@ -87,6 +87,9 @@ def test_what_clients_send() -> None:
     insert = decode(bytes((1, 4, 1, 0, 5, 0, 10)), sender="client")
     assert isinstance(insert, protocol.Request)
     assert (insert.action, insert.subject, insert.period_cycles) == (4, 5, 10)
+    query = decode(bytes((1, 1, 0, 0, 6, 1)), sender="client")
+    assert isinstance(query, protocol.Request)
+    assert (query.action, query.index) == (1, 0x106)
 
 
 def test_unknown_values_stay_plain_numbers() -> None:

@@ -328,8 +328,8 @@ class Request(NamedTuple):
     subject: int
     period_cycles: int
     io_type: int
-    element: int
-    """Index in the directory, or of the IO channel."""
+    index: int  # type: ignore[assignment] # instead of the method of tuples
+    """Of the directory's entry, or of the IO channel."""
     timestamp: int
     x_m: float
     y_m: float
@@ -526,12 +526,7 @@ _KNOWN = {
 def made_of(struct: str, record: Any) -> None:
     """Let the extension make this record of a C struct, or by hand if no struct is named."""
     members = [
-        # tuples have a method named index
-        (
-            "index" if name == "element" else name,
-            _KNOWN[name] if type_ == bool | None else None,
-            _MEANINGS.get(type_),
-        )
+        (name, _KNOWN[name] if type_ == bool | None else None, _MEANINGS.get(type_))
         for name, type_ in record.__annotations__.items()
         if struct and name not in ("host_us", "utc_s")
     ]
