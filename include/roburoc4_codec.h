@@ -252,7 +252,7 @@ typedef struct roburoc4_request {
     uint16_t subject;           /* INSERT, DELETE: the service whose statuses are meant */
     uint8_t period_cycles;      /* INSERT: period in cycles of 10 ms, 1 to 255 */
     uint8_t io_type;            /* QUERY of the IO card: ROBUROC4_IO_* */
-    int32_t index;              /* QUERY: element of the directory (0 to 65535) or IO channel */
+    int32_t index;              /* QUERY: entry of the directory (0 to 65535) or IO channel */
     uint64_t timestamp;         /* REPLACE: "not used but mandatory" (4.2.6.5) */
     double x_m, y_m, theta_rad; /* REPLACE: the new pose */
 } roburoc4_request;

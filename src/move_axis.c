@@ -23,9 +23,9 @@ enum { COMMANDED, COVERED, SIGNALS };
 #define TIMES 3 /* so often they are smoothed */
 
 /* The constants below were found by a search on robots that were drawn at random between the
- * values of tests/support/family.c; but for `reached` and `slow`, which a move promises, and `fall` and
- * `stands`, which were chosen. Lengths and speeds are in meters; radians are
- * `unit` times as many.
+ * values of tests/support/family.c; but for `reached` and `slow`, which a move promises, and `fall`
+ * and `stands`, which were chosen. Lengths and speeds are in meters; radians are `unit` times as
+ * many.
  *
  * What robots are like, and standard deviations of that; lag and bend grow together. */
 #define LAG_MEAN 0.34F
