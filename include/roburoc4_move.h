@@ -209,8 +209,10 @@ ROBUROC4_API roburoc4_result roburoc4_move_rest(roburoc4_move *move,
 ROBUROC4_API int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client,
                                         uint64_t now_us);
 /** The input of a move. roburoc4_move_step() takes it from a client. If another process has the
- *  client, such as the LCM bridge, fill it with what that reports, as it reports it, and 0 for the
- *  rest. The step scales what the robot counts. */
+ *  client, such as the LCM bridge, fill it with what that reports, and 0 for the rest. Speeds,
+ *  limits and pose are those that the robot reports: the step divides them by the scales, and the
+ *  pose unless it is external. `sent_*` are the arguments of drive(), before scaling: neither the
+ *  reported targets nor the facts' `sent_*`. */
 typedef struct roburoc4_move_view {
     uint32_t size;         /* set by ROBUROC4_SIZED() */
     uint32_t relocalized;  /* changes with each relocalization */
@@ -218,8 +220,9 @@ typedef struct roburoc4_move_view {
     uint64_t pose_cycles;  /* robot time of the pose; 0: none yet, not fresh, or not usable */
     double x_m, y_m, theta_rad;
     float linear_m_s, angular_rad_s;           /* measured */
-    float sent_linear_m_s, sent_angular_rad_s; /* last asked for, not scaled; 0 after a stop */
-    float max_linear_m_s, max_angular_rad_s;   /* the robot's own; 0: not known */
+    float sent_linear_m_s, sent_angular_rad_s; /* 0 after a stop */
+    float max_linear_m_s, max_angular_rad_s;   /* the robot's own, the smaller of both directions;
+                                                  0: not known */
     float max_linear_m_s2, max_angular_rad_s2; /* likewise */
     float front_m, rear_m;                     /* distances ahead and behind */
     uint32_t distance_age_us;                  /* how old they may be */
@@ -230,7 +233,8 @@ typedef struct roburoc4_move_view {
     uint8_t front_known, rear_known; /* a telemeter looks there, and reports */
     uint8_t pose_external;           /* a localizer contributes: the pose is not scaled */
     uint8_t reserved[6];
-    float scale_linear, scale_angular; /* those of roburoc4_config; 0 means 1 */
+    float scale_linear, scale_angular; /* those of roburoc4_config; 0 means 1. Others than 0.01 to
+                                          10 end the move, with ROBUROC4_ERR_ARGUMENT */
 } roburoc4_move_view;
 
 /** roburoc4_move_step() with your own view. When the move ends, your program must stop the robot;

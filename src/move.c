@@ -388,10 +388,9 @@ static void note_gap(roburoc4_move *m, uint32_t passed) {
     }
 }
 
-/** The true length of what the robot counts as one. */
+/** Real metres or radians per reported one. */
 static float per_count(float scale) {
-    const float true_length = is_zero(scale) ? 1 : 1 / scale;
-    return is_zero(true_length) || !is_finite(true_length) ? 1 : true_length;
+    return is_zero(scale) ? 1 : 1 / scale;
 }
 
 /** How far a pose may be from the last one: what may be commanded at any moment, and what the robot
@@ -418,14 +417,15 @@ static bool note_pose(roburoc4_move *m, const roburoc4_move_view *v, roburoc4_mo
         const float turned = roburoc4_move_half_turn(unfixed(pose[2] - m->private_pose[2]));
         const float heading = unfixed(m->private_pose[2]) + 0.5F * turned;
         const float ahead = sine_of(heading + PI_F / 2), left = sine_of(heading);
-        const float distance_m = x * ahead + y * left, across_m = y * ahead - x * left;
+        const float distance_m = (x * ahead + y * left) * m->private_per_pose[LENGTH];
+        const float across_m = (y * ahead - x * left) * m->private_per_pose[LENGTH];
+        const float angle_rad = turned * m->private_per_pose[ANGLE];
         const float most_m = explained(m, LENGTH, passed_s);
         if (beyond(distance_m, most_m) || beyond(across_m, most_m) ||
-            beyond(turned, explained(m, ANGLE, passed_s))) {
+            beyond(angle_rad, explained(m, ANGLE, passed_s))) {
             return false;
         }
-        cover(m, distance_m * m->private_per_pose[LENGTH], across_m * m->private_per_pose[LENGTH],
-              turned * m->private_per_pose[ANGLE]);
+        cover(m, distance_m, across_m, angle_rad);
     }
     const bool repeated = memcmp(pose, m->private_pose, sizeof pose) == 0;
     news->prompt = !repeated && passed <= m->private_pose_gap + 1U;
@@ -909,8 +909,9 @@ static int32_t drive_on(roburoc4_move *m, float passed_s, uint64_t now_us) {
     return arrived(m) ? end_leg(m) : ROBUROC4_MOVE_RUNNING;
 }
 
-/** What the robot counts is wrong by the factors with which its speeds are. */
-static void make_true(roburoc4_move_view *v) {
+/** The robot's odometry is off by the factors that scale its commands: make what it reports real
+ * metres and radians. */
+static void make_real(roburoc4_move_view *v) {
     const float length = per_count(v->scale_linear), angle = per_count(v->scale_angular);
     v->linear_m_s *= length;
     v->max_linear_m_s *= length;
@@ -921,7 +922,7 @@ static void make_true(roburoc4_move_view *v) {
 }
 
 int32_t roburoc4_move_advance(roburoc4_move *m, roburoc4_move_view *v, uint64_t now_us) {
-    make_true(v);
+    make_real(v);
     int32_t outcome = m->private_ready ? ROBUROC4_MOVE_RUNNING : plan(m, v, now_us);
     const uint64_t passed = now_us - m->private_step_us;
     const uint32_t passed_us = passed > STEP_MAX_US ? 0 : (uint32_t)passed;
@@ -943,6 +944,12 @@ int32_t roburoc4_move_advance(roburoc4_move *m, roburoc4_move_view *v, uint64_t 
     return outcome == ROBUROC4_MOVE_RUNNING ? outcome : roburoc4_move_end(m, outcome);
 }
 
+/** 0, or within the range of roburoc4_config. */
+static bool is_scale(float scale) {
+    return is_zero(scale) || (is_finite(scale) && order_of(scale) >= order_of(0.01F) &&
+                              order_of(scale) <= order_of(10.0F));
+}
+
 int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *view,
                                 uint64_t now_us) {
     if (move->outcome != ROBUROC4_MOVE_RUNNING) {
@@ -954,5 +961,9 @@ int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *v
         return roburoc4_move_end(move, ROBUROC4_MOVE_CANCELLED);
     }
     memcpy(&known, view, view->size);
+    if (!is_scale(known.scale_linear) || !is_scale(known.scale_angular)) {
+        move->cause = ROBUROC4_ERR_ARGUMENT;
+        return roburoc4_move_end(move, ROBUROC4_MOVE_CANCELLED);
+    }
     return roburoc4_move_advance(move, &known, now_us);
 }

@@ -76,7 +76,8 @@ extern const roburoc4_move_options roburoc4_move_defaults;
 float roburoc4_move_root(float square);
 /** Wrap an angle to -pi..pi. */
 float roburoc4_move_half_turn(float angle_rad);
-/** One step with what the view says, which becomes true to scale; ends the move where it has to. */
+/** One step with what the view says; ends the move where it has to. Converts *v in place: call it
+ * once for each view. */
 int32_t roburoc4_move_advance(roburoc4_move *m, roburoc4_move_view *v, uint64_t now_us);
 int32_t roburoc4_move_end(roburoc4_move *m, int32_t outcome);
 /** What it proposed was not sent: begin from standing speeds again. */

@@ -99,6 +99,7 @@ static void view_client(roburoc4_move_view *v, const roburoc4_client *client,
     view_speeds(v, client, facts);
     v->scale_linear = client->private_config.scale_linear;
     v->scale_angular = client->private_config.scale_angular;
+    /* the facts have scaled speeds */
     v->sent_linear_m_s *= 1 / v->scale_linear;
     v->sent_angular_rad_s *= 1 / v->scale_angular;
     view_pose(v, client, facts);

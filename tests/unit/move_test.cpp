@@ -984,6 +984,20 @@ TEST_F(MoveView, WhatTheRobotReportsIsScaled) {
     EXPECT_NEAR(1.3, theta_rad, 0.02);
 }
 
+TEST_F(MoveView, AScaleThatIsNoneEndsIt) {
+    for (const float scale : {-1.0F, 1e-30F, 0.0099F, 10.1F, 1e30F, NAN, INFINITY}) {
+        for (float *const changed : {&view.scale_linear, &view.scale_angular}) {
+            ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2, 0, nullptr));
+            EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+            *changed = scale;
+            EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, step()) << scale;
+            EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, move.cause);
+            EXPECT_EQ(0, move.linear_m_s);
+            *changed = 0;
+        }
+    }
+}
+
 TEST_F(MoveView, WhatAPoseMeansMayChangeInMidMove) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2, 0, nullptr));
     view.scale_linear = 2;
