@@ -26,7 +26,8 @@
 
 #define SILENCE_US 2000000
 #define LOOK_MS 50
-#define SPEEDS_US 250000 /* it commands only while the speeds are younger */
+#define SPEEDS_US 250000  /* it commands only while the speeds are younger */
+#define KNOWN_US 10000000 /* properties come once a second, when the robot has given them */
 /* A status that is further from the current time is not fresh. */
 #define FRESH_US 500000
 /* The bridge tells who is in control 5 times a second. */
@@ -41,7 +42,7 @@ typedef struct trip {
     roburoc4_move_view view;
     int64_t moved_us;           /* when the first speed was commanded; 0: not yet */
     int obeyed;                 /* the bridge has received a command of ours */
-    int scaled;                 /* the robot's scales are known */
+    int known;                  /* the robot's limits and scales are known */
     int ready, driven, stopped; /* it can be driven; it was driven; then it no longer could */
     char message[256];          /* the bridge's last message */
 } trip;
@@ -75,8 +76,11 @@ static void on_localization(const lcm_recv_buf_t *buffer, const char *channel,
     (void)buffer;
     (void)channel;
     if (fresh(pose->utime)) {
+        const int usable =
+            isfinite(pose->x_m) && isfinite(pose->y_m) && isfinite(pose->theta_rad) &&
+            (pose->flags & (ROBUROC4_LOCALIZATION_INVALID | ROBUROC4_LOCALIZATION_ERROR)) == 0;
         ((trip *)user)->poses_us = pose->utime;
-        view->pose_cycles = (uint64_t)pose->robot_cycles;
+        view->pose_cycles = usable ? (uint64_t)pose->robot_cycles : 0;
         view->x_m = pose->x_m;
         view->y_m = pose->y_m;
         view->theta_rad = pose->theta_rad;
@@ -84,14 +88,26 @@ static void on_localization(const lcm_recv_buf_t *buffer, const char *channel,
     }
 }
 
+/* The smaller size of a pair of limits. */
+static float both_ways(float low, float high) {
+    return fminf(fabsf(low), fabsf(high));
+}
+
 static void on_properties(const lcm_recv_buf_t *buffer, const char *channel,
                           const roburoc4_lcm_robot_properties_t *robot, void *user) {
     trip *trip = user;
     (void)buffer;
     (void)channel;
-    trip->view.scale_linear = robot->scale_linear;
-    trip->view.scale_angular = robot->scale_angular;
-    trip->scaled = 1;
+    if (fresh(robot->utime) && robot->differential_known) {
+        roburoc4_move_view *view = &trip->view;
+        view->scale_linear = robot->scale_linear;
+        view->scale_angular = robot->scale_angular;
+        view->max_linear_m_s = both_ways(robot->min_linear_m_s, robot->max_linear_m_s);
+        view->max_angular_rad_s = both_ways(robot->min_angular_rad_s, robot->max_angular_rad_s);
+        view->max_linear_m_s2 = both_ways(robot->min_linear_m_s2, robot->max_linear_m_s2);
+        view->max_angular_rad_s2 = both_ways(robot->min_angular_rad_s2, robot->max_angular_rad_s2);
+        trip->known = 1;
+    }
 }
 
 static void on_differential(const lcm_recv_buf_t *buffer, const char *channel,
@@ -146,7 +162,7 @@ static void on_bridge_state(const lcm_recv_buf_t *buffer, const char *channel,
 
 /* Handle what has arrived, and command the resulting speeds; 0 at the end. */
 static int step(trip *trip) {
-    if (trip->ready == 0 || trip->scaled == 0) {
+    if (trip->ready == 0 || trip->known == 0) {
         return 1;
     }
     const int64_t age_us = now_us() - trip->distances_us;
@@ -174,7 +190,7 @@ static int is_unheard(const trip *trip) {
 }
 
 static int travel(trip *trip) {
-    trip->heard_us = now_us();
+    const int64_t begun_us = trip->heard_us = now_us();
     while (trip->stopped == 0 && !is_unheard(trip) && step(trip)) {
         if (lcm_handle_timeout(trip->lcm, LOOK_MS) < 0 || now_us() - trip->heard_us > SILENCE_US) {
             (void)fprintf(
@@ -182,6 +198,11 @@ static int travel(trip *trip) {
                 "drive_to: no fresh status for %d s: is roburoc4-lcm running, with "
                 "--enable-drive and on this LCM network? do both machines' clocks agree?\n",
                 SILENCE_US / 1000000);
+            return 1;
+        }
+        if (trip->known == 0 && now_us() - begun_us > KNOWN_US) {
+            (void)fprintf(stderr, "drive_to: the bridge does not tell what robot it has: is the "
+                                  "robot connected, and PROPERTIES on its usual channel?\n");
             return 1;
         }
     }

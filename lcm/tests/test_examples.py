@@ -96,6 +96,21 @@ def test_the_c_example_drives_to_a_point(
     until(robot.stands, "the robot stands")
 
 
+def test_the_c_example_drives_true_metres_on_a_calibrated_robot(
+    programs: Programs,
+    bus: Bus,
+    start_bridge: Callable[..., Bridge],
+    run: Run,
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "robot.txt").write_text("scale_linear = 0.7\nscale_angular = 1.2\n")
+    start_bridge("--enable-drive", f"--robot-file={tmp_path / 'robot.txt'}").arms()
+    example = run(programs("drive_to"), "1.5", "0.5", LCM_DEFAULT_URL=bus.url)
+    assert example.ends(70) == 0, example.output
+    pose = bus.last("ROBUROC4_LOCALIZATION")
+    assert (pose.x_m, pose.y_m) == pytest.approx((1.5, 0.5), abs=0.1)
+
+
 def test_the_c_example_ends_when_somebody_takes_the_robot_over(
     programs: Programs, robot: Robot, bus: Bus, armed: Bridge, run: Run
 ) -> None:

@@ -17,7 +17,7 @@ Plan = Callable[..., Planner]
 
 DRIVE = "ROBUROC4_DRIVE_CMD"
 STATE = "ROBUROC4_BRIDGE_STATE"
-LEASE_US = 300_000
+LEASE_US = 250_000
 MARGIN_US = 150_000
 """For a loaded machine; the zero of a sleeping one comes within a millisecond."""
 
