@@ -221,6 +221,18 @@ def test_a_slope_limits_growing_but_not_slowing_down(
     assert topics.speeds == (0.0, 0.0)
 
 
+@pytest.mark.parametrize("scale", [0.8, 1.2])
+def test_a_slope_is_that_of_a_calibrated_robot(roburoc4_simulator: Simulator, scale: float) -> None:
+    with roburoc4_simulator.connect(scale_linear=scale, scale_angular=scale) as robot:
+        slope = {"max_linear_m_s2": 0.5, "max_angular_rad_s2": 0.5}
+        topics = Topics(roburoc4_simulator, robot, **slope, scale_linear=scale, scale_angular=scale)
+        topics.step(0.8)
+        for n in range(1, 11):
+            topics.send(topics.stamped(0.8, 0.8))
+            topics.step(0.05)
+            assert topics.speeds == pytest.approx((scale * 0.025 * n,) * 2, abs=0.002)
+
+
 def test_a_publisher_slower_than_the_lease_is_told(topics: Topics) -> None:
     for _ in range(5):
         topics.send(topics.stamped(0.3))

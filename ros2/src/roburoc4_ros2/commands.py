@@ -46,6 +46,9 @@ class DriveConfig:
     max_linear_m_s2: float = math.inf
     """How fast a commanded speed may grow; slowing down is never limited."""
     max_angular_rad_s2: float = math.inf
+    scale_linear: float = 1.0
+    """Of the robot file: what is sent is so many times what is asked for."""
+    scale_angular: float = 1.0
 
 
 class Sender(NamedTuple):
@@ -222,9 +225,11 @@ class Commands:
             linear_m_s = max(-config.max_linear_m_s, min(config.max_linear_m_s, linear_m_s))
             most = config.max_angular_rad_s
             angular_rad_s = max(-most, min(most, angular_rad_s))
+        last_m_s = facts.sent_linear_m_s / config.scale_linear
+        last_rad_s = facts.sent_angular_rad_s / config.scale_angular
         return (
-            _grown(facts.sent_linear_m_s, linear_m_s, config.max_linear_m_s2 * passed_s),
-            _grown(facts.sent_angular_rad_s, angular_rad_s, config.max_angular_rad_s2 * passed_s),
+            _grown(last_m_s, linear_m_s, config.max_linear_m_s2 * passed_s),
+            _grown(last_rad_s, angular_rad_s, config.max_angular_rad_s2 * passed_s),
         )
 
     def _look_at_pace(self, sender: Sender, is_moving: bool) -> None:

@@ -189,6 +189,8 @@ def checked(name: str, value: Any, where: str = "") -> Any:
 def robot_config(name: str, settings: Mapping[str, Any]) -> RobotConfig:
     """Make a robot's configuration from its settings; its name is also its default namespace."""
     defaults = RobotConfig(settings["address"])
+    file = settings.get("robot_file")
+    known = {} if file is None else robot_file.load(file)
     return RobotConfig(
         settings["address"],
         name,
@@ -212,8 +214,10 @@ def robot_config(name: str, settings: Mapping[str, Any]) -> RobotConfig:
             settings.get("max_angular_rad_s", defaults.drive.max_angular_rad_s),
             settings.get("max_linear_m_s2", defaults.drive.max_linear_m_s2),
             settings.get("max_angular_rad_s2", defaults.drive.max_angular_rad_s2),
+            known.get("scale_linear", 1.0),
+            known.get("scale_angular", 1.0),
         ),
-        settings.get("robot_file"),
+        file,
     )
 
 
