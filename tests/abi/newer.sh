@@ -86,16 +86,23 @@ change include/roburoc4_move.h 'BEGIN { left = 3 }
         $0 = $0 "\n    roburoc4_move_options private_options;"
         left--
     }'
-# A state of the socket, and a counter of it.
-change include/roburoc4_udp.h 'BEGIN { left = 2 }
+# States of the socket, and a counter of them.
+change include/roburoc4_udp.h 'BEGIN { left = 3 }
+    /^    uint32_t private_spare\[6\];/ { $0 = "    uint32_t private_newer, private_spare[5];"; left-- }
     /^#define ROBUROC4_UDP_COUNTERS / { print "#define ROBUROC4_UDP_COUNT_NEW " $3; $3++; left-- }
     /^    uint8_t private_connected, private_broken, private_reserved\[2\];/ {
         $0 = "    uint8_t private_new, private_reserved, private_broken, private_connected;"; left--
     }'
 change src/udp.c 'BEGIN { left = 1 }
     /^    udp->counters\[counter\]\+\+;/ {
-        print "    udp->private_new = 1;\n    udp->counters[ROBUROC4_UDP_COUNT_NEW]++;"; left--
+        print "    udp->private_new = 1;\n    udp->private_newer++;"
+        print "    udp->counters[ROBUROC4_UDP_COUNT_NEW]++;"; left--
     }'
+# A state of a reader, which a program may have set to 0 itself.
+change include/roburoc4_pump.h 'BEGIN { left = 1 }
+    /^    uint64_t private_spare\[2\];/ { $0 = "    uint64_t private_spare, private_new;"; left-- }'
+change src/pump_store.c 'BEGIN { left = 2 }
+    /^    reader->private_next_event = / { print "    reader->private_new++;"; left-- }'
 # What checks offsets inside of a client does so for one version of the library.
 change src/lifecycle.c 'BEGIN { left = 1 }
     /^LAYOUT\(client, / { left-- }

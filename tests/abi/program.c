@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "roburoc4_move.h"
+#include "roburoc4_pump.h"
 #include "roburoc4_record.h"
 #include "roburoc4_sim.h"
 
@@ -24,6 +25,7 @@
 static struct {
     GUARDED(roburoc4_client) client;
     GUARDED(roburoc4_udp) udp;
+    GUARDED(roburoc4_pump_reader) reader;
     GUARDED(roburoc4_move) move;
     GUARDED(roburoc4_config) config;
     GUARDED(roburoc4_facts) facts;
@@ -171,6 +173,18 @@ static void record(const char *folder) {
     check(roburoc4_recorder_close(recorder, NULL) == 0, "close the recorder");
 }
 
+static void read_pump(void) {
+    roburoc4_result result;
+    roburoc4_pump *pump = roburoc4_pump_create(NULL, NULL, 0, NULL, &result);
+    roburoc4_pump_reader zero = {0};
+    check(pump != NULL, "no pump");
+    check(roburoc4_pump_take_events(pump, &zero) >= 0, "events since create");
+    check(roburoc4_pump_reader_init(pump, &all.reader.value) == 0, "a reader");
+    check(roburoc4_pump_take_events(pump, &all.reader.value) == 0 && all.reader.value.lost == 0,
+          "a reader starts with what comes");
+    roburoc4_pump_destroy(pump);
+}
+
 #ifdef NEWER
 static void use_what_is_new(void) {
     check(all.config.value.new_field == 0, "a new field has another default");
@@ -191,10 +205,12 @@ int main(int argc, char **argv) {
     check(robot_x_m() > 1.0, "the robot did not drive");
     move();
     record(argv[1]);
+    read_pump();
     use_what_is_new();
     roburoc4_world_destroy(world);
     CHECK_BEHIND(client);
     CHECK_BEHIND(udp);
+    CHECK_BEHIND(reader);
     CHECK_BEHIND(move);
     CHECK_BEHIND(config);
     CHECK_BEHIND(facts);
