@@ -144,7 +144,7 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_EVENT_OTHER_COMMANDER 0x00010000   /* another client commands, or no longer */
 #define ROBUROC4_EVENT_INHIBITED 0x00020000         /* the robot does not follow, or does again */
 #define ROBUROC4_EVENT_BATTERY_LOW 0x00040000       /* remaining fell below minimum_percent */
-#define ROBUROC4_EVENT_BATTERY_CRITICAL 0x00080000  /* became Critical: battery_low, too */
+#define ROBUROC4_EVENT_BATTERY_CRITICAL 0x00080000  /* state became Critical; sets battery_low */
 #define ROBUROC4_EVENT_RELOCALIZED 0x00100000       /* the robot accepted the new pose */
 #define ROBUROC4_EVENT_RELOCALIZE_FAILED 0x00200000 /* it did not; see relocalize_result */
 #define ROBUROC4_EVENT_SUBSCRIPTION_REFUSED 0x00400000 /* the robot refused to send a status */
@@ -415,7 +415,7 @@ typedef struct roburoc4_facts {
      * first, and until it is answered. */
     int32_t relocalize_result;
     uint32_t lease_left_us;                    /* 0 when not driving */
-    float sent_linear_m_s, sent_angular_rad_s; /* the last speeds sent; 0 after a stop */
+    float sent_linear_m_s, sent_angular_rad_s; /* sent last, scaled; 0 after a stop */
     uint32_t age_us[8]; /* by ROBUROC4_SERVICE_*: how old the last status can be at most, now;
                            UINT32_MAX if there is none, or it is from before the robot was found */
 } roburoc4_facts;

@@ -107,7 +107,7 @@ ROBUROC4_API const char *roburoc4_udp_fault_text(uint32_t fault);
 #define ROBUROC4_UDP_COUNT_DROPPED 2    /* datagrams to send that the system did not accept */
 #define ROBUROC4_UDP_COUNT_REFUSED 3    /* times that the robot's host reported a closed port */
 #define ROBUROC4_UDP_COUNT_FAULTS 4     /* errors of the network of any other kind */
-#define ROBUROC4_UDP_COUNT_OVERSIZED 5  /* received and discarded: over UDP_MAX_RECEIVE bytes */
+#define ROBUROC4_UDP_COUNT_OVERSIZED 5  /* discarded: over ROBUROC4_UDP_MAX_RECEIVE */
 #define ROBUROC4_UDP_COUNT_RECONNECTS 6 /* times that the socket was connected again */
 #define ROBUROC4_UDP_COUNTERS 7
 

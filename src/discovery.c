@@ -109,7 +109,7 @@ bool roburoc4_discovery_may_drive(const discovery *d, const roburoc4_config *con
     return false;
 }
 
-/** Whether only a text can identify the service of element i, and it has none yet. */
+/** Whether only a text can identify the service of entry i, and it has none yet. */
 static bool unseen(const discovery *d, uint32_t i) {
     return d->ids[i] > ROBUROC4_SERVICE_NOTIFICATION && kind_of_type(d->types[i]) == CLAIM_NONE &&
            d->claims[i] == CLAIM_NONE;
@@ -133,7 +133,7 @@ bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *conf
     return false;
 }
 
-/** How well element i matches a service: 4 by the program's setting, 3 by type, 2 by text, 1 by the
+/** How well entry i matches a service: 4 by the program's setting, 3 by type, 2 by text, 1 by the
  * manual's id, else 0. */
 static uint32_t claim_strength(const discovery *d, const roburoc4_config *config, uint32_t i,
                                uint32_t kind) {

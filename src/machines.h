@@ -326,11 +326,11 @@ bool roburoc4_discovery_may_drive(const discovery *d, const roburoc4_config *con
 bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *config);
 /** Assign ids to services; true if a known service has another id now. */
 bool roburoc4_discovery_identify(discovery *d, const roburoc4_config *config);
-/** A text arrived for an element of the directory, or (io_type 0 to 3) for a channel. True if an
+/** A text arrived for an entry of the directory, or (io_type 0 to 3) for a channel. True if an
  * input with a role was found. */
 bool roburoc4_discovery_text(discovery *d, uint32_t list, uint32_t index, const uint8_t *text,
                              uint32_t length);
-/** The text of an element of the directory arrived, but may belong to another request: it
+/** The text of an entry of the directory arrived, but may belong to another request: it
  * identifies no service. */
 void roburoc4_discovery_doubtful_text(discovery *d, uint32_t index);
 /** The robot refused to give a text, which is an answer, too. */

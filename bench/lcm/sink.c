@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * lcm_sink LCM_URL: a subscriber to all that is published on an LCM network, until it is killed.
+ * lcm_sink LCM_URL: a subscriber to all statuses of an LCM network, until it is killed.
  */
 #include <lcm/lcm.h>
 #include <stdio.h>

@@ -191,7 +191,7 @@ def test_other_service_ids_are_those_of_the_directory(path: Path) -> None:
     packets = [other(packet) for packet in discovery()]
     texts = {packets[1 + 2 * (6 + at)].payload[5:] for at in (5, 6)}
     assert len(texts) == 2
-    for at in (5, 6):  # the texts of the directory's elements, too
+    for at in (5, 6):  # the texts of the directory's entries, too
         index = 1 + 2 * (6 + at)
         text = discovery()[1 + 2 * (6 + swap[at])].payload
         packets[index] = packets[index]._replace(payload=packets[index].payload[:5] + text[5:])

@@ -31,8 +31,8 @@ class Moving(Generic[_R]):
         ``speed`` is in m/s (0.3), within the ceilings. The move ends if a telemeter (ultrasonic
         rangefinder) sees something nearer than the braking distance plus ``clearance`` in metres
         (0.5). It needs telemeters and bumpers that are known; 0 drives without them. Telemeters
-        miss things. ``timeout`` is in seconds. ``on_progress`` is called repeatedly with a
-        MoveResult. The robot must be armed. Returns a MoveResult (with asyncio, when awaited);
+        miss things. ``timeout`` is in seconds. ``on_progress`` is called at least every 50 ms, with
+        a MoveResult. The robot must be armed. Returns a MoveResult (with asyncio, when awaited);
         raises MoveError if the goal was not reached.
         """
         options = MoveOptions(speed, None, clearance, timeout)
