@@ -128,7 +128,7 @@ void roburoc4_conditions_tick(client *c) {
     timer unarmed = *t; /* whether its statuses become stale is asked when it is to be armed */
     /* in fixed-id mode, an answer does not prove when its request arrived; but some must come */
     if (in_fixed_id_mode(&c->private_requests) &&
-        (!c->private_drive.lease_active || t->now_us - c->private_answered_us < UNANSWERED_US)) {
+        t->now_us - c->private_answered_us < UNANSWERED_US) {
         roburoc4_drive_heard(&c->private_drive, t->now_us);
     }
     roburoc4_drive_tick(&c->private_drive, &c->private_config,

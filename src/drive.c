@@ -182,7 +182,9 @@ roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lea
         d->changed = 1; /* until it was sent, however often it is renewed before */
     }
     if (!d->lease_active) {
-        d->reached_us = now_us; /* from now on, the robot must be heard to receive */
+        if (d->in_flight < IN_FLIGHT_EARLIER) { /* else it is watched since an earlier lease */
+            d->reached_us = now_us; /* from now on, the robot must be heard to receive */
+        }
         d->echo_due = 0;
         d->echoed[LINEAR] = 0;
         d->echoed[ANGULAR] = 0;

@@ -239,6 +239,55 @@ TEST(Uplink, OfARobotThatKnowsOneIdIsDeadWhenNothingIsAnswered) {
     }
 }
 
+/** For so long it drives and pauses in turn. */
+void pulse(Bench &bench, std::uint64_t drive_us, std::uint64_t pause_us, std::uint64_t span_us) {
+    const std::uint64_t end_us = bench.now_us + span_us;
+    while (bench.now_us < end_us && bench.drive_until_refused(0.15F, 0, drive_us) >= 0 &&
+           bench.pause() >= 0) {
+        bench.run(pause_us);
+    }
+}
+
+const std::pair<std::uint64_t, std::uint64_t> pulses[] = {
+    {50 * ms, 50 * ms},  {200 * ms, 50 * ms},  {200 * ms, 400 * ms},
+    {400 * ms, 50 * ms}, {300 * ms, 750 * ms}, {250 * ms, 1100 * ms}};
+
+TEST(Uplink, IsWatchedWhateverPausesTheProgramMakes) {
+    for (const auto &[drive_us, pause_us] : pulses) {
+        Armed bench;
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.15F, 0, second));
+        bench.drop_to_robot = everything;
+        const std::uint64_t cut_us = bench.now_us;
+        pulse(bench, drive_us, pause_us, 20 * second);
+        EXPECT_LE(bench.now_us - cut_us, drive_us + pause_us + 500 * ms)
+            << drive_us << " " << pause_us;
+        EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.facts().disarm_cause);
+    }
+}
+
+TEST(Uplink, OfARobotThatKnowsOneIdIsWatchedWhateverPausesTheProgramMakes) {
+    for (const auto &[drive_us, pause_us] : pulses) {
+        ScriptedRobot robot = knows_one_id();
+        Armed bench(robot, known_pad());
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.15F, 0, second));
+        bench.drop_to_robot = everything;
+        const std::uint64_t cut_us = bench.now_us;
+        pulse(bench, drive_us, pause_us, 20 * second);
+        EXPECT_LE(bench.now_us - cut_us, drive_us + pause_us + 11 * second)
+            << drive_us << " " << pause_us;
+    }
+}
+
+TEST(Uplink, ThatLosesAFifthAllowsPauses) {
+    for (const auto &[drive_us, pause_us] : pulses) {
+        Armed bench;
+        std::uint32_t random = 20261130;
+        lose(bench, 51, random);
+        pulse(bench, drive_us, pause_us, 300 * second);
+        EXPECT_TRUE(bench.facts().armed) << drive_us << " " << pause_us << " seed 20261130";
+    }
+}
+
 TEST(Uplink, OfARobotThatKnowsOneIdMayLoseATenth) {
     ScriptedRobot robot = knows_one_id();
     Armed bench(robot, known_pad());
