@@ -183,7 +183,8 @@ typedef struct roburoc4_move {
 ROBUROC4_API roburoc4_result roburoc4_move_by(roburoc4_move *move, float distance_m,
                                               float angle_rad,
                                               const roburoc4_move_options *options);
-/** Turn to a point in the main frame, then drive straight to it. Needs the localization service. */
+/** Turn to a point in the main frame, as the robot reports it (not scaled), then drive straight to
+ * it. Needs the localization service. */
 ROBUROC4_API roburoc4_result roburoc4_move_to_point(roburoc4_move *move, double x_m, double y_m,
                                                     const roburoc4_move_options *options);
 /** The same, then turn to this heading. */

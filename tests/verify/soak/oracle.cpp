@@ -276,6 +276,8 @@ void Oracle::drove(Moment now, Speeds speeds, std::uint32_t lease_us, std::int32
         violate(Promise::lapse_disarms, now.true_us, "drive() was accepted long after a lapse");
     const bool changed = !lease_.alive || lease_.asked.v != speeds.v || lease_.asked.w != speeds.w;
     lease_.sent = lease_.sent && !changed;
+    if (!lease_.alive)
+        lease_.begun_true_us = now.true_us;
     lease_.alive = true;
     lapse_us_ = UINT64_MAX;
     lease_.granted_us = now.client_us;
@@ -384,9 +386,9 @@ void Oracle::sent(Moment now, const Datagram &datagram) {
     else
         speed_sent(now, speeds);
     command_out_ = true;
-    if (clock_changed_ ||
-        now.true_us - last_command_us_ > milliseconds(config_.drive_period_ms) + slack_us)
-        commanding_since_us_ = now.true_us;
+    const std::uint64_t hung_us = now.true_us - std::max(last_command_us_, lease_.begun_true_us);
+    if (clock_changed_ || hung_us > milliseconds(config_.drive_period_ms) + slack_us)
+        commanding_.clear();
     last_command_zero_ = speeds.zero();
     last_command_us_ = now.true_us;
     clock_changed_ = false;

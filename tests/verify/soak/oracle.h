@@ -19,6 +19,7 @@
 #include <deque>
 #include <map>
 #include <string>
+#include <utility>
 
 namespace soak {
 
@@ -101,7 +102,8 @@ class Oracle {
     void robot_changed(const RobotTruth &robot);
     /** The client's machine stood still, or its clock was changed. */
     void disturbed(std::uint64_t true_us) {
-        disturbed_us_ = well_since_us_ = commanding_since_us_ = true_us;
+        disturbed_us_ = well_since_us_ = true_us;
+        commanding_.clear();
     }
     /** From now on network, robot and clock have no faults. */
     void calm_from(std::uint64_t true_us) {
@@ -142,6 +144,7 @@ class Oracle {
         bool alive = false;
         std::uint64_t granted_us = 0; /* by the client's clock */
         std::uint64_t granted_true_us = 0;
+        std::uint64_t begun_true_us = 0; /* by the first of a row of grants */
         std::uint64_t length_us = 0;
         Speeds asked;
         bool sent = false; /* the newest target has left */
@@ -308,8 +311,9 @@ class Oracle {
     std::uint64_t jumped_us_ = 0;         /* when the client's clock jumped last, or so it seems */
     std::uint32_t last_outcome_ = 0;      /* of the last stop that has ended */
     std::uint64_t last_unconfirmed_us_ = 0; /* up to then, no stop was confirmed */
-    std::uint64_t commanding_since_us_ = 0, well_since_us_ = 0, disturbed_us_ = 0,
-                  standing_due_us_ = 0;
+    /* when it commanded, since what the robot heard last; pauses do not count */
+    std::deque<std::pair<std::uint64_t, std::uint64_t>> commanding_;
+    std::uint64_t looked_us_ = 0, well_since_us_ = 0, disturbed_us_ = 0, standing_due_us_ = 0;
     bool well_ = false;
     double way_m_ = 0, way_at_pose_ = 0;
     std::uint64_t way_us_ = 0;

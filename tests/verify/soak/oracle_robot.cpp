@@ -622,18 +622,24 @@ void Oracle::judge_watch(Moment now) {
 
 void Oracle::judge_uplink(Moment now, const Truth &truth) {
     /* where all answers have one id, none proves when its request arrived */
-    if (!armed_ || !lease_.alive || stop_.active || last_command_zero_ || truth.uplink_loses ||
-        robot_.literal_ids || report_.fixed_id || config_.drive_period_ms > 100) {
-        commanding_since_us_ = now.true_us;
-        return;
-    }
-    const std::uint64_t newest = std::max(truth.newest_heard_us, commanding_since_us_);
-    if (now.true_us - newest > 400000)
+    const std::uint64_t since_us = std::exchange(looked_us_, now.true_us);
+    const std::uint64_t heard_us = truth.newest_heard_us;
+    while (!commanding_.empty() && commanding_.front().second <= heard_us)
+        commanding_.pop_front();
+    if (!armed_ || truth.uplink_loses || robot_.literal_ids || report_.fixed_id ||
+        config_.drive_period_ms > 100)
+        commanding_.clear();
+    else if (lease_.alive && !stop_.active && !last_command_zero_)
+        commanding_.emplace_back(std::max(since_us, lease_.begun_true_us), now.true_us);
+    std::uint64_t unheard_us = 0;
+    for (const auto &[begin_us, end_us] : commanding_)
+        unheard_us += end_us - std::min(end_us, std::max(begin_us, heard_us));
+    if (unheard_us > 400000)
         reach(Reached::late_uplink);
-    if (now.true_us - newest > uplink_us)
+    if (unheard_us > uplink_us)
         violate(Promise::late_uplink_disarms, now.true_us,
                 "the robot has received nothing that was sent during the last " +
-                    ms_text(now.true_us - newest) + ", and the client is armed");
+                    ms_text(unheard_us) + " of driving, and the client is armed");
 }
 
 void Oracle::judge_standing(Moment now, const Truth &truth) {

@@ -124,6 +124,7 @@ class Scenario {
     Scenario(std::uint64_t seed, Client &client, const Promises &excluded, bool trace)
         : random_(seed), plan_(draw_robot(random_)), config_(draw_config(random_, plan_)),
           manners_(draw_manners(random_)), restarts_often_(seed % 10 == 0),
+          pulses_(seed % 10 == 1 && manners_.drives > 0), pulse_random_(~seed),
           world_(plan_, config_, client, excluded, seed) {
         world_.trace(trace);
         if (trace)
@@ -198,7 +199,9 @@ class Scenario {
 
     void act() {
         double draw = random_.unit();
-        if ((draw -= manners_.arms) < 0) {
+        if (pulses_ && world_.report().armed)
+            pulse();
+        else if ((draw -= manners_.arms) < 0) {
             armed_ = world_.arm() >= 0;
         } else if ((draw -= manners_.drives) < 0) {
             if (world_.report().armed || manners_.persists) {
@@ -214,6 +217,18 @@ class Scenario {
         } else if ((draw -= manners_.odd) < 0) {
             act_oddly();
         }
+    }
+
+    void pulse() {
+        if (world_.now_us() >= pulse_until_us_) {
+            driving_ = !driving_;
+            pulse_until_us_ =
+                world_.now_us() + pulse_random_.between(30, driving_ ? 400 : 1100) * 1000;
+            if (!driving_)
+                world_.pause();
+        }
+        if (driving_)
+            world_.drive(next_target(), 0);
     }
 
     Speeds next_target() {
@@ -534,9 +549,12 @@ class Scenario {
     roburoc4_config config_;
     Manners manners_;
     bool restarts_often_; /* and is another robot then, mostly */
+    bool pulses_;         /* the application drives and pauses in turn */
+    Random pulse_random_; /* so that other seeds draw what they did */
     World world_;
     Speeds target_, others_;
-    bool armed_ = false;
+    bool armed_ = false, driving_ = false;
+    std::uint64_t pulse_until_us_ = 0;
     std::uint64_t next_mishap_us_ = 0, pad_until_us_ = 0, trouble_until_us_ = 0, dark_until_us_ = 0,
                   pose_until_us_ = 0, others_until_us_ = 0;
 };
