@@ -489,7 +489,7 @@ static void note_commands(roburoc4_move *m, const roburoc4_move_view *v, const f
 
 /** The first pose: what is covered is carried on to its time. */
 static void begin_with_pose(roburoc4_move *m, const roburoc4_move_view *v) {
-    roburoc4_move_news first;
+    roburoc4_move_news first = {0};
     (void)note_pose(m, v, &first);
     cover(m, first.ahead_s * m->private_speed[LENGTH], 0, first.ahead_s * m->private_speed[ANGLE]);
     m->private_posed = 1;
