@@ -731,7 +731,8 @@ struct roburoc4_client {
     roburoc4_private_link private_link;
     roburoc4_private_values private_values;
     uint32_t private_answered_us; /* when the last request was answered */
-    uint32_t private_reserved[5];
+    uint32_t private_driven_us;   /* when a lease was last active */
+    uint32_t private_reserved[4];
 };
 
 #ifdef __cplusplus

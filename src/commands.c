@@ -61,8 +61,8 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
     roburoc4_lifecycle_see_time(c, now_us);
     roburoc4_conditions_tick(c);
     const uint32_t lease_before_us = c->private_drive.lease_us;
-    const roburoc4_result result =
-        roburoc4_drive_grant(&c->private_drive, target, lease_us, (uint32_t)now_us);
+    const roburoc4_result result = roburoc4_drive_grant(&c->private_drive, target, lease_us,
+                                                        c->private_driven_us, (uint32_t)now_us);
     if (is_due(&c->private_drive, lease_us != lease_before_us)) {
         wake(c);
     }

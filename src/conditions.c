@@ -125,6 +125,7 @@ void roburoc4_conditions_watch_arming(client *c) {
 
 void roburoc4_conditions_tick(client *c) {
     timer *t = &c->private_timer;
+    c->private_driven_us = c->private_drive.lease_active ? t->now_us : c->private_driven_us;
     timer unarmed = *t; /* whether its statuses become stale is asked when it is to be armed */
     /* in fixed-id mode, an answer does not prove when its request arrived; but some must come */
     if (in_fixed_id_mode(&c->private_requests) &&

@@ -170,8 +170,15 @@ void roburoc4_drive_arm(drive *d, uint32_t *events) {
     d->disarm_cause = ROBUROC4_OK;
 }
 
+/** From now on, the robot must be heard to receive. Pauses do not count, but what was driven before
+ * them does, unless it was heard since. */
+static void watch_on(drive *d, uint32_t driven_us, uint32_t now_us) {
+    const uint32_t unheard_us = driven_us - d->reached_us;
+    d->reached_us = now_us - ((int32_t)unheard_us > 0 ? unheard_us : 0);
+}
+
 roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
-                                     uint32_t now_us) {
+                                     uint32_t driven_us, uint32_t now_us) {
     if (!d->armed) {
         return d->disarm_cause;
     }
@@ -182,9 +189,7 @@ roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lea
         d->changed = 1; /* until it was sent, however often it is renewed before */
     }
     if (!d->lease_active) {
-        if (d->in_flight < IN_FLIGHT_EARLIER) { /* else it is watched since an earlier lease */
-            d->reached_us = now_us; /* from now on, the robot must be heard to receive */
-        }
+        watch_on(d, driven_us, now_us);
         d->echo_due = 0;
         d->echoed[LINEAR] = 0;
         d->echoed[ANGULAR] = 0;

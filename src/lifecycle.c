@@ -134,6 +134,7 @@ static const uint16_t stamps[] = {
     AT(outputs.sent_us),
     AT(outputs.relocalize_us),
     AT(answered_us),
+    AT(driven_us),
 #undef AT
 };
 

@@ -231,9 +231,10 @@ enum { LINEAR, ANGULAR, AXES };
 /** Whether the robot's limits are plausible. */
 bool roburoc4_drive_limits_valid(const roburoc4_differential_properties *limits);
 void roburoc4_drive_arm(drive *d, uint32_t *events);
-/** Grant a lease, or return why not; the caller has checked that the speeds are finite. */
+/** Grant a lease, or return why not; the caller has checked that the speeds are finite. A lease was
+ * last active at `driven_us`. */
 roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
-                                     uint32_t now_us);
+                                     uint32_t driven_us, uint32_t now_us);
 /** End the lease and disarm for this cause; a stop sequence if a speed was sent. */
 void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events);
 /** End the lease and stay armed; a stop sequence in any case. */

@@ -521,7 +521,7 @@ TEST_F(StopBelief, IsWatchedThroughALeaseWithoutASpeed) {
     bench.stop();
     bench.run(1500 * ms);
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
-    EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0, 0, 200 * ms));
+    EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0, 0, 400 * ms));
     bench.run(3 * second);
     bench.drop_to_robot = nullptr;
     robot.target_linear = 1; /* the speed comes, the zeros do not */

@@ -90,7 +90,7 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
         d->lease_us == lease_us;
     ensures nothing_arms: d->armed == \old(d->armed); */
 roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
-                                     uint32_t now_us);
+                                     uint32_t driven_us, uint32_t now_us);
 
 /*@ requires \valid(d) && \valid(events) && \valid(t) && \valid_read(config) &&
         \separated(d, events, t, config);
