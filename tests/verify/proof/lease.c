@@ -55,6 +55,8 @@ static bool is_zero(float value);
 static float clamp(float value, float low, float high);
 /*@ assigns t->wait_us; */
 static bool stop_sequence_over(const drive *d, const roburoc4_config *config, timer *t);
+/*@ assigns d->reached_us; */
+static void watch_on(drive *d, uint32_t driven_us, uint32_t now_us);
 /*@ assigns d->stopping, d->outcome, d->unconfirmed, *events;
     ensures d->stopping == 0; */
 static void end_stop_sequence(drive *d, uint32_t *events);
