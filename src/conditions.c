@@ -125,8 +125,11 @@ void roburoc4_conditions_watch_arming(client *c) {
 
 void roburoc4_conditions_tick(client *c) {
     timer *t = &c->private_timer;
-    c->private_driven_us = c->private_drive.lease_active ? t->now_us : c->private_driven_us;
     timer unarmed = *t; /* whether its statuses become stale is asked when it is to be armed */
+    if (c->private_drive.lease_active &&
+        t->now_us - c->private_drive.granted_us < c->private_drive.lease_us) { /* else it hung */
+        c->private_driven_us = t->now_us;
+    }
     /* in fixed-id mode, an answer does not prove when its request arrived; but some must come */
     if (in_fixed_id_mode(&c->private_requests) &&
         t->now_us - c->private_answered_us < UNANSWERED_US) {

@@ -279,6 +279,16 @@ TEST(Uplink, OfARobotThatKnowsOneIdIsWatchedWhateverPausesTheProgramMakes) {
     }
 }
 
+TEST(Uplink, IsNotDeadWhereTheProgramHung) {
+    for (const std::uint64_t hung_us : {260 * ms, 500 * ms, 900 * ms, 1100 * ms}) {
+        Armed bench;
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.15F, 0, second));
+        bench.robot.advance(bench.now_us += hung_us);
+        bench.run(5 * ms);
+        EXPECT_NO_FATAL_FAILURE(bench.driving(0.15F, 0, second)) << hung_us;
+    }
+}
+
 TEST(Uplink, ThatLosesAFifthAllowsPauses) {
     for (const auto &[drive_us, pause_us] : pulses) {
         Armed bench;
