@@ -514,15 +514,18 @@ TEST_F(StopBelief, IsNotConfirmedByTheStopBeforeWhereTheServiceIsGone) {
     EXPECT_EQ(ROBUROC4_STOP_TIMED_OUT, bench.facts().stop_outcome);
 }
 
-TEST_F(StopBelief, IsWatchedThroughALeaseWithoutASpeed) {
+TEST_F(StopBelief, IsWatchedThroughLeasesWithoutASpeed) {
     bench.armed();
     bench.drop_to_robot = everything; /* a queue takes it all */
-    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 200 * ms));
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 50 * ms));
+    for (int i = 0; i < 4; i++) { /* together too short for a dead uplink */
+        bench.stop();
+        bench.run(1500 * ms);
+        ASSERT_EQ(ROBUROC4_OK, bench.arm());
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0, 0, 50 * ms)) << i;
+    }
     bench.stop();
-    bench.run(1500 * ms);
-    ASSERT_EQ(ROBUROC4_OK, bench.arm());
-    EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0, 0, 400 * ms));
-    bench.run(3 * second);
+    bench.run(second);
     bench.drop_to_robot = nullptr;
     robot.target_linear = 1; /* the speed comes, the zeros do not */
     bench.run(60 * ms);

@@ -82,7 +82,7 @@ TEST(Config, Defaults) {
     const std::uint16_t periods[5] = {50, 100, 1000, 50, 50};
     for (std::size_t i = 0; i < 5; i++)
         EXPECT_EQ(periods[i], c.period_ms[i + 2]) << i;
-    for (const std::size_t unused : {0U, 1U})
+    for (const std::size_t unused : {0U, 1U, 7U})
         EXPECT_EQ(0U, c.period_ms[unused]) << unused;
     EXPECT_EQ(100U, c.first_retry_ms);
     EXPECT_EQ(1000U, c.lost_ms);

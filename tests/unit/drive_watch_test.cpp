@@ -170,14 +170,18 @@ TEST(OtherCommander, IsNotOurTargetFromBeforeThatTheRobotStillHas) {
     EXPECT_EQ(0, bench.facts().other_commander);
 }
 
-TEST(OtherCommander, IsNotASpeedOfOursThatAQueueKeptThroughALaterLease) {
+TEST(OtherCommander, IsNotASpeedOfOursThatAQueueKeptThroughLaterLeases) {
     Armed bench;
     bench.drop_to_robot = everything; /* a queue takes it all */
-    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 20 * ms));
+    for (int i = 0; i < 8; i++) { /* together too short for a dead uplink */
+        bench.pause();
+        bench.run(1350 * ms);
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0.01F, 0)) << i;
+        bench.run(40 * ms);
+    }
     bench.pause();
     bench.run(1100 * ms);
-    EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0.01F, 0, 300 * ms));
-    bench.run(10 * second);
     bench.take_events();
     bench.drop_to_robot = nullptr;
     bench.robot.target_linear = 0.5F; /* now it comes */
