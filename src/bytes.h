@@ -123,6 +123,11 @@ static inline int32_t order_of(float value) {
     return (bits & 0x80000000U) != 0 ? -size : size;
 }
 
+/** Whether a value lies from low to high, which are numbers. NaN and infinity do not. */
+static inline bool between(float value, float low, float high) {
+    return order_of(value) >= order_of(low) && order_of(value) <= order_of(high);
+}
+
 /** Without the sign. The bits of such floats are in the order of their values, with infinity and
  *  then NaN above all numbers. */
 static inline uint32_t magnitude_bits(float value) {

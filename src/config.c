@@ -105,8 +105,7 @@ static uint32_t first_out_of_range(const roburoc4_config *config) {
     for (uint32_t i = 0; i < COUNT(floats); i++) {
         float value;
         memcpy(&value, base + floats[i].offset, sizeof value);
-        if (!is_finite(value) || order_of(value) < order_of(floats[i].low) ||
-            order_of(value) > order_of(floats[i].high)) {
+        if (!between(value, floats[i].low, floats[i].high)) {
             return BAD_FLOAT + i;
         }
     }

@@ -48,10 +48,6 @@ static float clamp(float value, float low, float high) {
     return order_of(value) < order_of(low) ? low : order_of(value) > order_of(high) ? high : value;
 }
 
-static bool between(float value, float low, float high) {
-    return order_of(value) >= order_of(low) && order_of(value) <= order_of(high);
-}
-
 /** Whether a value lies between two others, or as little outside of them as the tolerance. */
 static bool near(float value, float low, float high, int32_t tolerance) {
     const int32_t fixed = fixed_from_f32(value, SPEED_BITS);

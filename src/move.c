@@ -946,8 +946,7 @@ int32_t roburoc4_move_advance(roburoc4_move *m, roburoc4_move_view *v, uint64_t 
 
 /** 0, or within the range of roburoc4_config. */
 static bool is_scale(float scale) {
-    return is_zero(scale) || (is_finite(scale) && order_of(scale) >= order_of(0.01F) &&
-                              order_of(scale) <= order_of(10.0F));
+    return is_zero(scale) || between(scale, 0.01F, 10);
 }
 
 int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *view,

@@ -130,9 +130,8 @@ static bool is_known(const roburoc4_robot_file *file, uint32_t index) {
 }
 
 static bool fits(const row *r, float value) {
-    const int32_t order = order_of(value);
-    return is_finite(value) && order >= order_of(r->low) && order <= order_of(r->high) &&
-           (!r->whole || order_of((float)(int32_t)value) == order);
+    return between(value, r->low, r->high) &&
+           (!r->whole || order_of((float)(int32_t)value) == order_of(value));
 }
 
 static void keep_value(roburoc4_robot_file *file, uint32_t index, float value) {
